@@ -1,0 +1,42 @@
+# make demo: set everything up and run the main job.  make test: set everything up and pass the tests.
+# Needs Python 3.11 or newer (PYTHON=...), make and a C library.
+
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+
+.PHONY: demo test lint format benchmark calibration clean help
+
+help:  ## list the targets
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 14
+
+demo: $(READY)  ## settle a bed, measure it, trace it, predict its heat transfer up to 1100 degC
+	$(BIN)/bedrad run examples/hot_tube.toml -o results/hot_tube.h5
+
+test: $(READY)  ## all tests, without those that take longer than a coffee
+	$(BIN)/python -m pytest
+
+lint: $(READY)  ## style and types
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+format: $(READY)  ## put the code into the common style
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+benchmark: $(READY)  ## rays a second, error against run time, on this machine
+	$(BIN)/python benchmarks/ray_rate.py
+
+calibration: $(READY)  ## are the stated errors of the view factors right? 100 seeds against 2^26 rays
+	$(BIN)/python benchmarks/calibration.py
+
+clean:  ## remove the environment and the results
+	rm -rf $(VENV) results
+
+$(READY): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else f"bedrad needs Python 3.11 or newer; {sys.executable} is {sys.version.split()[0]}. Name another: make PYTHON=python3.12")'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	@touch $(READY)

@@ -1,0 +1,75 @@
+"""Quantities as text with a unit (``"600 um"``, ``"850 degC"``) to SI floats; used at the edges only."""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import cache
+from typing import Annotated, Any
+
+import pint
+from pydantic import BeforeValidator
+
+__all__ = ["Conductivity", "Density", "Length", "Stiffness", "Temperature", "Velocity", "quantity"]
+
+_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-zµ°][A-Za-z0-9µ°/^*() -]*)")
+
+_EXAMPLES = {
+    "m": "600 um",
+    "m/s": "0.05 m/s",
+    "K": "850 degC",
+    "kg/m^3": "3800 kg/m^3",
+    "N/m": "100 N/m",
+    "W/(m K)": "2.1 W/(m K)",
+}
+
+
+@cache
+def _registry() -> pint.UnitRegistry[Any]:
+    return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
+
+
+def quantity(text: object, unit: str) -> float:
+    """Number in the SI unit `unit` from a text such as ``"600 um"``.
+
+    Parameters
+    ----------
+    text : str
+        A number and a unit; a blank between them is optional.
+    unit : str
+        The SI unit wanted.
+
+    Raises
+    ------
+    ValueError
+        If there is no number, no unit, an unknown one, or one of another dimension. The message gives an example.
+    """
+    expected = f"expected a number with a unit, such as {_EXAMPLES.get(unit, f'1 {unit}')!r}"
+    match = _QUANTITY.fullmatch(text) if isinstance(text, str) else None
+    if match is None:
+        raise ValueError(f"{text!r} is not a quantity; {expected}")
+    number, given = match[1], match[2].strip()
+    registry = _registry()
+    # W/(m K): a blank between units means a product
+    written = re.sub(r"(?<=[A-Za-z0-9)])\s+(?=[A-Za-z(])", " * ", given.replace("µ", "u").replace("°C", "degC"))
+    try:
+        value = float(registry.Quantity(float(number), written).to(unit.replace(" ", " * ")).magnitude)
+    except pint.DimensionalityError:
+        raise ValueError(f"{text!r} has the wrong kind of unit; {expected}") from None
+    except Exception:  # noqa: BLE001 - pint's parser raises whatever its grammar stumbles over
+        raise ValueError(f"{text!r} has an unknown unit {given!r}; {expected}") from None
+    if not math.isfinite(value):
+        raise ValueError(f"{text!r} is not a finite quantity; {expected}")
+    return value
+
+
+def _reader(unit: str) -> BeforeValidator:
+    return BeforeValidator(lambda text: quantity(text, unit), json_schema_input_type=str)
+
+
+Length = Annotated[float, _reader("m")]
+Velocity = Annotated[float, _reader("m/s")]
+Temperature = Annotated[float, _reader("K")]
+Density = Annotated[float, _reader("kg/m^3")]
+Stiffness = Annotated[float, _reader("N/m")]
+Conductivity = Annotated[float, _reader("W/(m K)")]

@@ -1,0 +1,1 @@
+"""Packings of spheres: making, reading and writing them, cutting them into layers, measuring them."""

@@ -1,0 +1,222 @@
+"""`ViewFactors`: what a run of the ray tracer found, how sure it is and what it cost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bedrad.walls import Window
+
+__all__ = ["LeftOut", "Step", "ViewFactors"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """What the scene did not need.
+
+    Parameters
+    ----------
+    spheres : int
+        Spheres too deep for any of the traced rays; they were never put into a grid.
+    deep_rays : int
+        Rays of a tube that passed `reach` and were followed through the whole bed.
+    reach : float
+        Depth of the grid that all other rays were settled in. [m]
+    """
+
+    spheres: int
+    deep_rays: int
+    reach: float
+
+    def __str__(self) -> str:
+        text = f"{self.spheres:,} spheres that no ray reached"
+        return text + (f"; {self.deep_rays:,} rays followed through the whole bed" if self.deep_rays else "")
+
+
+@dataclass(frozen=True)
+class Step:
+    """Estimates after a round of rays: the layers, beyond, wall, escaped, and their standard errors."""
+
+    rays: int
+    seconds: float
+    estimates: FloatArray
+    errors: FloatArray
+
+    @property
+    def largest_error(self) -> float:
+        """Largest of the standard errors."""
+        return float(self.errors.max())
+
+
+@dataclass(frozen=True)
+class ViewFactors:
+    """View factors from the wall; `layers`, `beyond`, `wall` and `escaped` sum to one.
+
+    The standard errors ``<name>_error`` are those of the ray tracing, from the scatter of independent scramblings. The
+    scatter of the bed itself, from block to block along the axis, is in ``<name>_bed_error``: how far another piece of
+    the same bed would differ.
+
+    Parameters
+    ----------
+    layers, layers_error, layers_bed_error : (layers,) arrays
+        Share of the wall's radiation that first meets a sphere in each layer.
+    wall, wall_error, wall_bed_error : float
+        Share that meets the wall again.
+    beyond, beyond_error, beyond_bed_error : float
+        Share that passes the last layer.
+    escaped, escaped_error, escaped_bed_error : float
+        Share that leaves through open ends.
+    edges : (layers + 1,) array
+        Depths that part the layers. [m]
+    window : Window
+        The piece of wall that emits.
+    rays : int
+        Number of rays.
+    seconds, setup_seconds : float
+        Run time in all, and what of it went into the grid. [s]
+    seed : int
+        Seed of the scramblings.
+    left_out : LeftOut
+        What the scene did not need.
+    history : tuple of Step
+        Estimates, errors and run time after every round.
+    scramblings : (n, layers + 3) array
+        The shares found by each scrambling: the layers, beyond, wall, escaped.
+    normalisation : str
+        "none", or the convention that `normalised` applied.
+    """
+
+    layers: FloatArray
+    layers_error: FloatArray
+    layers_bed_error: FloatArray
+    wall: float
+    wall_error: float
+    wall_bed_error: float
+    beyond: float
+    beyond_error: float
+    beyond_bed_error: float
+    escaped: float
+    escaped_error: float
+    escaped_bed_error: float
+    edges: FloatArray
+    window: Window
+    rays: int
+    seconds: float
+    setup_seconds: float
+    seed: int
+    left_out: LeftOut
+    history: tuple[Step, ...]
+    scramblings: FloatArray
+    normalisation: str = "none"
+
+    @classmethod
+    def from_counts(
+        cls,
+        counts: IntArray,
+        *,
+        edges: FloatArray,
+        window: Window,
+        history: tuple[Step, ...],
+        seconds: float,
+        setup_seconds: float,
+        seed: int,
+        left_out: LeftOut,
+    ) -> ViewFactors:
+        """Shares and standard errors from counts of rays, (scramblings, blocks, layers + 3).
+
+        Raises
+        ------
+        ValueError
+            If the scramblings did not all trace the same number of rays.
+        """
+        totals = counts.sum(axis=(1, 2))
+        if not (totals == totals[0]).all():
+            raise ValueError(f"the scramblings traced different numbers of rays: {totals.tolist()}")
+        by_block = counts.sum(axis=0)
+        in_block = by_block.sum(axis=1, keepdims=True)
+        filled = in_block[:, 0] > 0
+        blocks = by_block[filled] / in_block[filled]
+        return cls._assemble(
+            counts.sum(axis=1) / totals[:, None],
+            _standard_error(blocks),
+            edges=edges,
+            window=window,
+            rays=int(totals.sum()),
+            seconds=seconds,
+            setup_seconds=setup_seconds,
+            seed=seed,
+            left_out=left_out,
+            history=history,
+        )
+
+    @classmethod
+    def _assemble(cls, scramblings: FloatArray, bed: FloatArray, **rest: object) -> ViewFactors:
+        mean, error = scramblings.mean(axis=0), _standard_error(scramblings)
+        n = len(mean) - 3
+        named = {}
+        for name, k in (("beyond", n), ("wall", n + 1), ("escaped", n + 2)):
+            named |= {name: float(mean[k]), f"{name}_error": float(error[k]), f"{name}_bed_error": float(bed[k])}
+        return cls(
+            layers=mean[:n], layers_error=error[:n], layers_bed_error=bed[:n], scramblings=scramblings, **named, **rest
+        )  # type: ignore[arg-type]
+
+    def normalised(self, convention: str) -> ViewFactors:
+        """The same result in another convention.
+
+        Parameters
+        ----------
+        convention : str
+            "watkins": the layers alone sum to one; what went back to the wall, beyond the last layer or out at the ends
+            is spread over them in proportion (Watkins 2018, section 5.3: leakage folded into the primary factors).
+
+        Raises
+        ------
+        ValueError
+            If the convention is not known, or no ray met a layer.
+        """
+        if convention != "watkins":
+            raise ValueError(f"convention is {convention!r}; expected 'watkins'")
+        n = len(self.layers)
+        met = float(self.layers.sum())
+        if met == 0.0:
+            raise ValueError("no ray met a layer; the view factors cannot be made to sum to one over the layers")
+        # the error of a ratio of means: linearise each scrambling's share around the mean
+        layers = self.scramblings[:, :n]
+        ratio = self.layers / met
+        shares = ratio + (layers - ratio * layers.sum(axis=1, keepdims=True)) / met
+        scale = self.layers_bed_error / met
+        return replace(
+            self,
+            layers=ratio,
+            layers_error=_standard_error(shares),
+            layers_bed_error=scale,
+            **dict.fromkeys(
+                [f"{name}{suffix}" for name in ("wall", "beyond", "escaped") for suffix in ("", "_error", "_bed_error")],
+                0.0,
+            ),
+            normalisation=convention,
+        )
+
+    def __str__(self) -> str:
+        rows = [(f"layer {k + 1}", f, e, b) for k, (f, e, b) in enumerate(
+            zip(self.layers, self.layers_error, self.layers_bed_error, strict=True))]  # fmt: skip
+        rows += [(n, getattr(self, n), getattr(self, f"{n}_error"), getattr(self, f"{n}_bed_error"))
+                 for n in ("beyond", "wall", "escaped")]  # fmt: skip
+        lines = [f"{'from the wall to':<18}{'view factor':>14}{'± rays':>12}{'± bed':>12}"]
+        lines += [f"{name:<18}{f:>14.6f}{e:>12.1e}{b:>12.1e}" for name, f, e, b in rows]
+        rate = self.rays / max(self.seconds - self.setup_seconds, 1e-9)
+        lines.append(f"{self.rays:,} rays in {self.seconds:.2f} s ({rate / 1e6:.1f} million a second)")
+        lines.append(f"left out: {self.left_out}")
+        return "\n".join(lines)
+
+
+def _standard_error(samples: FloatArray) -> FloatArray:
+    """Standard error of the mean of independent samples along the first axis; nan where there is only one."""
+    if len(samples) < 2:
+        return np.full(samples.shape[1], np.nan)
+    return np.asarray(samples.std(axis=0, ddof=1) / np.sqrt(len(samples)))

@@ -1,0 +1,291 @@
+"""Ray kernels: from a point on the wall to the first sphere or back to the wall, on exact spheres.
+
+All kernels are pure: arrays and scalars in, results out. They release the interpreter lock, so that several threads
+run the same compiled code on different rays; counts are integers, so that their sums do not depend on the order.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+__all__ = ["ESCAPED", "LIMIT", "TUBE", "ROD", "PLATE", "first_hit", "sphere_distance", "start_ray", "trace"]
+
+TUBE, ROD, PLATE = 0, 1, 2
+
+LIMIT = math.inf
+"""Distance returned by `first_hit` when the ray reached its limit without a hit."""
+
+ESCAPED = -1.0
+"""Distance returned by `first_hit` when the ray left through an open end of the bed."""
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def sphere_distance(ox, oy, oz, dx, dy, dz, cx, cy, cz, radius):
+    """Distance along a ray of unit direction to a sphere: 0 from inside it, infinite where it is missed.
+
+    The half chord comes from the distance between centre and ray, not from the difference of two squares of the
+    distance to the centre, so that far spheres lose no digits.
+    """
+    x, y, z = cx - ox, cy - oy, cz - oz
+    along = x * dx + y * dy + z * dz
+    px, py, pz = x - along * dx, y - along * dy, z - along * dz
+    square = radius * radius - (px * px + py * py + pz * pz)
+    if square <= 0.0:
+        return math.inf
+    half = math.sqrt(square)
+    near = along - half
+    if near >= 0.0:
+        return near
+    return 0.0 if along + half > 0.0 else math.inf
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _axis_walk(o, d, low, size, cells):
+    """Start of a cell walk along one axis: cell number, step, distance to the next face, distance between faces."""
+    cell = int((o - low) / size)
+    cell = min(max(cell, 0), cells - 1)
+    if d > 0.0:
+        return cell, 1, (low + (cell + 1) * size - o) / d, size / d
+    if d < 0.0:
+        return cell, -1, (low + cell * size - o) / d, -size / d
+    return cell, 0, math.inf, math.inf
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def first_hit(ox, oy, oz, dx, dy, dz, limit, low, size, cells, period, starts, members, spheres):
+    """Distance to the first sphere on a ray, by a walk through the cells of a grid.
+
+    Parameters
+    ----------
+    ox, oy, oz, dx, dy, dz : float
+        Origin, inside the grid, and unit direction.
+    limit : float
+        Distance at which the ray ends without a hit.
+    low, size, cells, period : (3,) arrays
+        Lower corner, cell size, number of cells and period (0: open) of the grid along each axis.
+    starts : (cells + 1,) array
+        Where the list of each cell begins in `members`.
+    members : (m,) array
+        Sphere numbers, cell by cell.
+    spheres : (n, 4) array
+        Centres and radii, images across the period included.
+
+    Returns
+    -------
+    float
+        The distance, `LIMIT` if none is hit before `limit`, `ESCAPED` if the ray leaves through an open face.
+    """
+    nx, ny, nz = cells[0], cells[1], cells[2]
+    ix, sx, tx, ux = _axis_walk(ox, dx, low[0], size[0], nx)
+    iy, sy, ty, uy = _axis_walk(oy, dy, low[1], size[1], ny)
+    iz, sz, tz, uz = _axis_walk(oz, dz, low[2], size[2], nz)
+    best = math.inf
+    while True:
+        cell = (ix * ny + iy) * nz + iz
+        for k in range(starts[cell], starts[cell + 1]):
+            s = members[k]
+            t = sphere_distance(
+                ox, oy, oz, dx, dy, dz, spheres[s, 0], spheres[s, 1], spheres[s, 2], spheres[s, 3]
+            )
+            best = min(best, t)
+        leave = min(tx, min(ty, tz))
+        if best <= leave:
+            return best if best < limit else LIMIT
+        if leave >= limit:
+            return LIMIT
+        # crossing a periodic face moves the origin by a period, the distance along the ray goes on
+        if tx == leave:
+            tx += ux
+            ix += sx
+            if ix < 0 or ix >= nx:
+                if period[0] == 0.0:
+                    return ESCAPED
+                ix -= sx * nx
+                ox -= sx * period[0]
+        elif ty == leave:
+            ty += uy
+            iy += sy
+            if iy < 0 or iy >= ny:
+                if period[1] == 0.0:
+                    return ESCAPED
+                iy -= sy * ny
+                oy -= sy * period[1]
+        else:
+            tz += uz
+            iz += sz
+            if iz < 0 or iz >= nz:
+                if period[2] == 0.0:
+                    return ESCAPED
+                iz -= sz * nz
+                oz -= sz * period[2]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def start_ray(u, kind, wall_radius, axial_low, axial_length, lateral_low, lateral_length):
+    """Origin on the wall and direction by the cosine law, from a point of the unit hypercube.
+
+    Parameters
+    ----------
+    u : (4,) array
+        Axial position, position around (or lateral), square of the sine of the polar angle, azimuth of the direction.
+    kind : int
+        `TUBE`, `ROD` or `PLATE`.
+    wall_radius, axial_low, axial_length, lateral_low, lateral_length : float
+        The wall and the window on it.
+
+    Returns
+    -------
+    ox, oy, oz, dx, dy, dz, cosine : float
+        Origin, unit direction and cosine of the angle to the wall's normal.
+    """
+    cosine = math.sqrt(1.0 - u[2])
+    sine = math.sqrt(u[2])
+    azimuth = 2.0 * math.pi * u[3]
+    across, along = sine * math.cos(azimuth), sine * math.sin(azimuth)
+    axial = axial_low + axial_length * u[0]
+    if kind == PLATE:
+        return axial, lateral_low + lateral_length * u[1], 0.0, along, across, cosine, cosine
+    angle = 2.0 * math.pi * u[1]
+    ex, ey = math.cos(angle), math.sin(angle)
+    inward = -cosine if kind == TUBE else cosine
+    dx, dy = inward * ex - across * ey, inward * ey + across * ex
+    return wall_radius * ex, wall_radius * ey, axial, dx, dy, along, cosine
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _far_limit(kind, wall_radius, reach, dx, dy, cosine):
+    """Distances at which a ray ends: at the far wall of a tube, and where it first gets deeper than `reach`."""
+    if kind == PLATE:
+        return math.inf, reach / cosine
+    flat = dx * dx + dy * dy
+    if kind == ROD:
+        # outward from R to R + reach: the root of flat t^2 + 2 R cos t - reach (2 R + reach), without cancellation
+        b = wall_radius * cosine
+        c = reach * (2.0 * wall_radius + reach)
+        return math.inf, c / (b + math.sqrt(b * b + flat * c))
+    wall = 2.0 * wall_radius * cosine / flat
+    inner = wall_radius - reach
+    if inner <= 0.0:
+        return wall, math.inf
+    b = wall_radius * cosine
+    c = reach * (wall_radius + inner)
+    square = b * b - flat * c
+    if square <= 0.0:
+        return wall, math.inf
+    return wall, c / (b + math.sqrt(square))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _layer(kind, wall_radius, edges, x, y, z):
+    """Number of the layer that holds a point: the first whose outer edge is not exceeded, len(edges) - 1 beyond."""
+    if kind == PLATE:
+        depth = z
+    else:
+        radial = math.sqrt(x * x + y * y)
+        depth = wall_radius - radial if kind == TUBE else radial - wall_radius
+    layer = 0
+    layers = edges.size - 1
+    while layer < layers and depth > edges[layer + 1]:
+        layer += 1
+    return layer
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def trace(
+    points, kind, wall_radius, window, edges, reach, low, size, cells, period, starts, members, spheres, counts, unsettled
+):
+    """Trace rays and count where they end.
+
+    Parameters
+    ----------
+    points : (n, 4) array
+        Points of the unit hypercube, see `start_ray`.
+    kind : int
+        `TUBE`, `ROD` or `PLATE`.
+    wall_radius : float
+        Radius of the wall.
+    window : (4,) array
+        Axial start and length, lateral start and length of the piece of wall that emits.
+    edges : (layers + 1,) array
+        Depths that part the layers.
+    reach : float
+        Depth down to which the grid is complete.
+    low, size, cells, period, starts, members, spheres
+        The grid, see `first_hit`.
+    counts : (blocks, layers + 3) array
+        Number of rays by axial block of their origin and by fate: the layers, beyond the last, back to the wall,
+        escaped. Added to.
+    unsettled : (n,) array
+        Filled with the numbers of the rays of a tube that got deeper than `reach`; they are not counted.
+
+    Returns
+    -------
+    int
+        Number of unsettled rays.
+    """
+    layers = edges.size - 1
+    blocks = counts.shape[0]
+    left = 0
+    for i in range(points.shape[0]):
+        u = points[i]
+        ox, oy, oz, dx, dy, dz, cosine = start_ray(u, kind, wall_radius, window[0], window[1], window[2], window[3])
+        wall, deep = _far_limit(kind, wall_radius, reach, dx, dy, cosine)
+        t = first_hit(
+            ox, oy, oz, dx, dy, dz, min(wall, deep), low, size, cells, period, starts, members, spheres
+        )
+        if t == ESCAPED:
+            fate = layers + 2
+        elif t < LIMIT:
+            fate = _layer(kind, wall_radius, edges, ox + t * dx, oy + t * dy, oz + t * dz)
+        elif wall <= deep:
+            fate = layers + 1
+        elif kind == TUBE:
+            unsettled[left] = i
+            left += 1
+            continue
+        else:
+            fate = layers
+        counts[min(int(u[0] * blocks), blocks - 1), fate] += 1
+    return left
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _touches(cx, cy, cz, radius, x0, y0, z0, hx, hy, hz):
+    """Whether a sphere reaches into a cell (lower corner, size)."""
+    x = max(x0 - cx, 0.0, cx - x0 - hx)
+    y = max(y0 - cy, 0.0, cy - y0 - hy)
+    z = max(z0 - cz, 0.0, cz - z0 - hz)
+    return x * x + y * y + z * z <= radius * radius * (1.0 + 1e-12)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fill_cells(spheres, low, size, cells, starts, members):
+    """List the spheres that reach into each cell.
+
+    Called twice: with `members` empty it adds the number of spheres of cell c to ``starts[c + 1]``; with `starts`
+    summed up and `members` long enough it fills the lists, using ``starts[c]`` as the place of the next entry, which
+    leaves the start of cell c in ``starts[c - 1]``.
+    """
+    first = np.empty(3, np.int64)
+    last = np.empty(3, np.int64)
+    for s in range(spheres.shape[0]):
+        radius = spheres[s, 3]
+        for k in range(3):
+            first[k] = max(0, int(math.floor((spheres[s, k] - radius - low[k]) / size[k] - 1e-9)))
+            last[k] = min(cells[k] - 1, int(math.floor((spheres[s, k] + radius - low[k]) / size[k] + 1e-9)))
+        for i in range(first[0], last[0] + 1):
+            for j in range(first[1], last[1] + 1):
+                for k in range(first[2], last[2] + 1):
+                    if _touches(
+                        spheres[s, 0], spheres[s, 1], spheres[s, 2], radius,
+                        low[0] + i * size[0], low[1] + j * size[1], low[2] + k * size[2], size[0], size[1], size[2],
+                    ):  # fmt: skip
+                        cell = (i * cells[1] + j) * cells[2] + k
+                        if members.size == 0:
+                            starts[cell + 1] += 1
+                        else:
+                            members[starts[cell]] = s
+                            starts[cell] += 1

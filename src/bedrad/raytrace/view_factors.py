@@ -1,0 +1,258 @@
+"""View factors from the wall to the layers of a bed, by ray tracing on exact spheres."""
+
+from __future__ import annotations
+
+import math
+import os
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bedrad.packings.layers import layer_edges
+from bedrad.packings.packing import Packing
+from bedrad.raytrace.factors import LeftOut, Step, ViewFactors
+from bedrad.raytrace.kernels import PLATE, ROD, TUBE, trace
+from bedrad.raytrace.sampling import MOST_POINTS, SobolStreams
+from bedrad.raytrace.scene import Scene, build_scene
+from bedrad.walls import Plate, Tube, Window
+
+__all__ = ["SCRAMBLINGS", "view_factors"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+Progress = Callable[[float, str], None]
+
+SCRAMBLINGS = 32
+"""Independent scramblings; their scatter gives the standard errors (31 degrees of freedom)."""
+
+FIRST_POINTS = 2**10
+"""Rays a scrambling in the first round; every further round doubles the total."""
+
+EXTRA_REACH = 4.0
+"""How far beyond the last edge the first grid of a tube reaches, in mean radii."""
+
+_KINDS = {"tube": TUBE, "rod": ROD, "plate": PLATE}
+
+
+def view_factors(
+    packing: Packing,
+    edges: ArrayLike | None = None,
+    tolerance: float | None = None,
+    rays: int | None = None,
+    seed: int = 0,
+    *,
+    window: Window | None = None,
+    blocks: int = 8,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> ViewFactors:
+    """View factors from the wall to the layers of a bed.
+
+    Rays leave the wall by the cosine law (black or grey diffuse emission) and end at the first sphere, whose hit point
+    belongs to the layer of its depth; in a tube they may end at the wall again. A ray that starts inside a sphere that
+    overlaps the wall ends there, at depth 0. Beside a rod or plate a ray cannot come back, so that it is counted as
+    beyond the last layer once it is deeper than the last edge. Rays that leave through an open end are escaped.
+
+    Parameters
+    ----------
+    packing : Packing
+        The bed.
+    edges : (layers + 1,) array, optional
+        Depths that part the layers, from 0; three layers by `layer_edges` if not given. [m]
+    tolerance : float, optional
+        Trace until every standard error is below this. 1e-3 if `rays` is not given either.
+    rays : int, optional
+        Trace this many rays instead, rounded up to a power of two.
+    seed : int
+        Seed of the scramblings.
+    window : Window, optional
+        The piece of wall that emits; `Packing.window` if not given, which leaves out open ends.
+    blocks : int
+        Axial blocks by which the scatter of the bed itself is estimated.
+    threads : int, optional
+        Number of threads; all processors if not given. The result does not depend on it.
+    progress : callable, optional
+        Called with the share done and a text.
+
+    Returns
+    -------
+    ViewFactors
+        Shares that sum to one, their standard errors, and what they cost.
+
+    Raises
+    ------
+    ValueError
+        If the edges do not ascend from 0, are deeper than the wall allows, both or neither sensible of `tolerance`
+        and `rays` are given, or the window reaches beyond the bed.
+    """
+    begin = time.perf_counter()
+    depth_edges = _check_edges(packing, edges)
+    target, wanted = _check_effort(tolerance, rays)
+    measured = packing.window() if window is None else window
+    tracer = _Tracer(packing, depth_edges, measured, blocks)
+    setup = time.perf_counter() - begin
+    streams = SobolStreams(seed, SCRAMBLINGS)
+    counts = np.zeros((SCRAMBLINGS, blocks, len(depth_edges) + 2), np.int64)
+    history: list[Step] = []
+    done, following = 0, FIRST_POINTS if target is not None else wanted // SCRAMBLINGS
+    with _Workers(threads) as workers:
+        while True:
+            workers.run(tracer, streams, counts, following - done, progress, _share(history, target))
+            done = following
+            history.append(_step(counts, done, time.perf_counter() - begin))
+            if target is None or (history[-1].largest_error <= target and 3.0 / (done * SCRAMBLINGS) <= target):
+                break
+            if 2 * done > MOST_POINTS:
+                raise ValueError(f"the tolerance {target:g} needs more than {MOST_POINTS * SCRAMBLINGS} rays")
+            following = 2 * done
+    return ViewFactors.from_counts(
+        counts,
+        edges=depth_edges,
+        window=measured,
+        history=tuple(history),
+        seconds=time.perf_counter() - begin,
+        setup_seconds=setup,
+        seed=seed,
+        left_out=LeftOut(
+            spheres=tracer.near.left_out if tracer.deep is None else 0,
+            deep_rays=tracer.deep_rays,
+            reach=tracer.near.reach,
+        ),
+    )
+
+
+def _check_edges(packing: Packing, edges: ArrayLike | None) -> FloatArray:
+    if edges is None:
+        return layer_edges(packing)
+    e = np.array(edges, dtype=np.float64)
+    if e.ndim != 1 or len(e) < 2 or e[0] != 0.0 or not np.isfinite(e).all() or not (np.diff(e) > 0).all():
+        raise ValueError(f"edges is {e.tolist()}; expected at least two ascending depths in metres, the first 0")
+    if e[-1] > packing.wall.largest_depth:
+        raise ValueError(f"the last edge, {e[-1]:.6g} m, is deeper than the tube's axis at {packing.wall.largest_depth:.6g} m")
+    return e
+
+
+def _check_effort(tolerance: float | None, rays: int | None) -> tuple[float | None, int]:
+    if tolerance is not None and rays is not None:
+        raise ValueError(f"give tolerance or rays, not both (tolerance={tolerance!r}, rays={rays!r})")
+    if rays is not None:
+        if not 1 <= rays <= MOST_POINTS * SCRAMBLINGS:
+            raise ValueError(f"rays is {rays!r}; expected a whole number from 1 to {MOST_POINTS * SCRAMBLINGS}")
+        return None, max(SCRAMBLINGS, 1 << (int(rays) - 1).bit_length())
+    target = 1e-3 if tolerance is None else float(tolerance)
+    if not (math.isfinite(target) and target > 0):
+        raise ValueError(f"tolerance is {tolerance!r}; expected a positive number")
+    return target, 0
+
+
+def available_processors() -> int:
+    """Number of processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+class _Tracer:
+    """Traces batches of points: first in the grid near the wall, the few rays that get deeper in one of the whole bed."""
+
+    def __init__(self, packing: Packing, edges: FloatArray, window: Window, blocks: int) -> None:
+        if blocks < 1:
+            raise ValueError(f"blocks is {blocks!r}; expected at least 1")
+        self.packing, self.edges, self.measured = packing, edges, window
+        self.kind = _KINDS[packing.wall.kind]
+        self.wall_radius = 0.0 if isinstance(packing.wall, Plate) else packing.wall.radius
+        lateral = window.lateral or (0.0, 0.0)
+        self.window = np.array([window.axial[0], window.length, lateral[0], lateral[1] - lateral[0]])
+        reach = float(edges[-1])
+        if isinstance(packing.wall, Tube):
+            # nothing at all stands in the way of the grid of the whole bed where it would not be larger
+            reach = reach + EXTRA_REACH * packing.mean_diameter / 2 if len(packing) else packing.wall.radius
+            reach = min(reach, packing.wall.radius)
+        self.near = build_scene(packing, edges, window, reach)
+        self.deep: Scene | None = None
+        self.deep_rays = 0
+        self._lock = threading.Lock()
+
+    def count(self, points: FloatArray, counts: IntArray) -> None:
+        """Add the fates of the rays of `points` to `counts`, (blocks, layers + 3)."""
+        unsettled = np.empty(len(points), np.int64)
+        left = self._trace(self.near, points, counts, unsettled)
+        if left:
+            with self._lock:
+                self.deep_rays += left
+                if self.deep is None:
+                    self.deep = build_scene(self.packing, self.edges, self.measured, self.wall_radius)
+            self._trace(self.deep, points[unsettled[:left]], counts, unsettled)
+
+    def _trace(self, scene: Scene, points: FloatArray, counts: IntArray, unsettled: IntArray) -> int:
+        return int(
+            trace(
+                points, self.kind, self.wall_radius, self.window, self.edges, scene.reach,
+                scene.low, scene.size, scene.cells, np.array(self.packing.box),
+                scene.starts, scene.members, scene.spheres, counts, unsettled,
+            )
+        )  # fmt: skip
+
+
+class _Workers:
+    """Threads that each trace whole scramblings; the kernels release the interpreter lock."""
+
+    def __init__(self, threads: int | None) -> None:
+        if threads is not None and threads < 1:
+            raise ValueError(f"threads is {threads!r}; expected at least 1")
+        self._count = threads or available_processors()
+        self._stop = threading.Event()
+
+    def __enter__(self) -> _Workers:
+        self._pool = ThreadPoolExecutor(self._count)
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        # an interrupt must not wait for the rays that were still to come
+        self._stop.set()
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+    def run(
+        self,
+        tracer: _Tracer,
+        streams: SobolStreams,
+        counts: IntArray,
+        points: int,
+        progress: Progress | None,
+        span: tuple[float, float],
+    ) -> None:
+        """Trace `points` more rays of every scrambling."""
+
+        def trace_stream(stream: int) -> None:
+            for batch in streams.draw(stream, points):
+                if self._stop.is_set():
+                    return
+                tracer.count(batch, counts[stream])
+
+        futures = [self._pool.submit(trace_stream, s) for s in range(len(streams))]
+        for finished, future in enumerate(futures, start=1):
+            future.result()
+            if progress is not None:
+                share = span[0] + (span[1] - span[0]) * finished / len(futures)
+                progress(share, f"{len(streams) * points * finished // len(futures):,} rays in this round")
+
+
+def _share(history: list[Step], target: float | None) -> tuple[float, float]:
+    """Share of the whole effort before and after the coming round, by the scaling of the error with rays^-0.56."""
+    if target is None:
+        return 0.0, 1.0
+    if not history:
+        return 0.0, 0.0
+    needed = max((history[-1].largest_error / target) ** (1 / 0.56), 1.0)
+    return min(1.0 / needed, 1.0), min(2.0 / needed, 1.0)
+
+
+def _step(counts: IntArray, points: int, seconds: float) -> Step:
+    shares = counts.sum(axis=1) / points
+    errors = shares.std(axis=0, ddof=1) / math.sqrt(len(shares))
+    return Step(rays=points * len(shares), seconds=seconds, estimates=shares.mean(axis=0), errors=errors)
