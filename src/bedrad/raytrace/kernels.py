@@ -33,24 +33,21 @@ def sphere_distance(ox, oy, oz, dx, dy, dz, cx, cy, cz, radius):
     along = x * dx + y * dy + z * dz
     px, py, pz = x - along * dx, y - along * dy, z - along * dz
     square = radius * radius - (px * px + py * py + pz * pz)
-    if square <= 0.0:
-        return math.inf
-    half = math.sqrt(square)
-    near = along - half
-    if near >= 0.0:
-        return near
-    return 0.0 if along + half > 0.0 else math.inf
+    half = math.sqrt(max(square, 0.0))
+    # both alternatives are computed and one is selected: a branch here would be mispredicted every other time
+    return max(along - half, 0.0) if (square > 0.0) & (along + half > 0.0) else math.inf
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _axis_walk(o, d, low, size, cells):
     """Start of a cell walk along one axis: cell number, step, distance to the next face, distance between faces."""
-    cell = int((o - low) / size)
-    cell = min(max(cell, 0), cells - 1)
+    cell = min(max(int((o - low) / size), 0), cells - 1)
     if d > 0.0:
-        return cell, 1, (low + (cell + 1) * size - o) / d, size / d
+        inverse = 1.0 / d
+        return cell, 1, (low + (cell + 1) * size - o) * inverse, size * inverse
     if d < 0.0:
-        return cell, -1, (low + cell * size - o) / d, -size / d
+        inverse = 1.0 / d
+        return cell, -1, (low + cell * size - o) * inverse, -size * inverse
     return cell, 0, math.inf, math.inf
 
 
@@ -84,9 +81,9 @@ def first_hit(ox, oy, oz, dx, dy, dz, limit, low, size, cells, period, starts, m
     iz, sz, tz, uz = _axis_walk(oz, dz, low[2], size[2], nz)
     best = math.inf
     while True:
-        cell = (ix * ny + iy) * nz + iz
-        for k in range(starts[cell], starts[cell + 1]):
-            s = members[k]
+        cell = np.uint64((ix * ny + iy) * nz + iz)
+        for k in range(starts[cell], starts[cell + np.uint64(1)]):
+            s = np.uint32(members[k])
             t = sphere_distance(
                 ox, oy, oz, dx, dy, dz, spheres[s, 0], spheres[s, 1], spheres[s, 2], spheres[s, 3]
             )

@@ -16,11 +16,14 @@ __all__ = ["Scene", "build_scene"]
 
 FloatArray = NDArray[np.float64]
 
-SPHERES_PER_CELL = 1.0
+SPHERES_PER_CELL = 0.5
 """Mean number of spheres a cell, counted by centres, that the grid aims for."""
 
 MOST_CELLS_PER_SPHERE = 8.0
 """Bound on the grid's memory where most of its volume is empty."""
+
+PADDING = 1.0 + 1e-6
+"""The grid is this much wider than the wall or the reach, so that rounding never takes a ray out there."""
 
 
 @dataclass(frozen=True)
@@ -116,10 +119,10 @@ def _bounds(packing: Packing, window: Window, reach: float) -> tuple[FloatArray,
     axes: tuple[tuple[int, tuple[float, float] | None], ...]
     match wall:
         case Plate():
-            high[2] = reach
+            high[2] = reach * PADDING
             axes = ((0, window.axial), (1, window.lateral))
         case Tube() | Rod():
-            across = wall.radius if isinstance(wall, Tube) else wall.radius + reach
+            across = PADDING * (wall.radius if isinstance(wall, Tube) else wall.radius + reach)
             low[:2], high[:2] = -across, across
             axes = ((2, window.axial),)
     for axis, measured in axes:

@@ -36,6 +36,9 @@ FIRST_POINTS = 2**10
 EXTRA_REACH = 4.0
 """How far beyond the last edge the first grid of a tube reaches, in mean radii."""
 
+SHORTEST_BLOCK = 2.0
+"""Shortest axial block, in mean diameters; shorter ones would share their particles with the next."""
+
 _KINDS = {"tube": TUBE, "rod": ROD, "plate": PLATE}
 
 
@@ -47,7 +50,7 @@ def view_factors(
     seed: int = 0,
     *,
     window: Window | None = None,
-    blocks: int = 8,
+    blocks: int | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> ViewFactors:
@@ -72,8 +75,9 @@ def view_factors(
         Seed of the scramblings.
     window : Window, optional
         The piece of wall that emits; `Packing.window` if not given, which leaves out open ends.
-    blocks : int
-        Axial blocks by which the scatter of the bed itself is estimated.
+    blocks : int, optional
+        Axial blocks by which the scatter of the bed itself is estimated; at most 8 blocks, each at least 2 mean diameters
+        long, if not given. With one block there is no estimate (nan).
     threads : int, optional
         Number of threads; all processors if not given. The result does not depend on it.
     progress : callable, optional
@@ -87,17 +91,18 @@ def view_factors(
     Raises
     ------
     ValueError
-        If the edges do not ascend from 0, are deeper than the wall allows, both or neither sensible of `tolerance`
-        and `rays` are given, or the window reaches beyond the bed.
+        If the edges do not ascend from 0, are deeper than the wall allows, `tolerance` and `rays` are both
+        given or not positive, or the window reaches beyond the bed.
     """
     begin = time.perf_counter()
     depth_edges = _check_edges(packing, edges)
     target, wanted = _check_effort(tolerance, rays)
     measured = packing.window() if window is None else window
-    tracer = _Tracer(packing, depth_edges, measured, blocks)
+    parts = _block_count(packing, measured) if blocks is None else blocks
+    tracer = _Tracer(packing, depth_edges, measured, parts)
     setup = time.perf_counter() - begin
     streams = SobolStreams(seed, SCRAMBLINGS)
-    counts = np.zeros((SCRAMBLINGS, blocks, len(depth_edges) + 2), np.int64)
+    counts = np.zeros((SCRAMBLINGS, parts, len(depth_edges) + 2), np.int64)
     history: list[Step] = []
     done, following = 0, FIRST_POINTS if target is not None else wanted // SCRAMBLINGS
     with _Workers(threads) as workers:
@@ -148,6 +153,12 @@ def _check_effort(tolerance: float | None, rays: int | None) -> tuple[float | No
     if not (math.isfinite(target) and target > 0):
         raise ValueError(f"tolerance is {tolerance!r}; expected a positive number")
     return target, 0
+
+
+def _block_count(packing: Packing, window: Window) -> int:
+    if not len(packing):
+        return 1
+    return int(min(8, max(1, window.length // (SHORTEST_BLOCK * packing.mean_diameter))))
 
 
 def available_processors() -> int:
