@@ -14,7 +14,7 @@ from oracles.beds import random_bed
 from oracles.rays import cosine_rays, fates, first_hits
 
 import bedrad
-from bedrad.raytrace.kernels import first_hit, sphere_distance, start_ray, trace
+from bedrad.raytrace.kernels import first_hit, sphere_distance, start_ray, trace, turn
 from bedrad.raytrace.scene import build_scene
 from bedrad.walls import Window
 
@@ -126,6 +126,16 @@ def test_a_ray_from_inside_a_sphere_ends_at_once():
 
 def test_a_sphere_behind_is_not_met():
     assert sphere_distance(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -3.0, 0.0, 0.0, 1.0) == np.inf
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.floats(0.0, 1.0))
+def test_turn_is_cosine_and_sine_to_two_roundings(u):
+    """2 roundings of 1.1e-16, and one more of the angle, at most pi/4 from a quarter turn."""
+    with mpmath.workdps(40):
+        exact = mpmath.cos(2 * mpmath.pi * mpmath.mpf(u)), mpmath.sin(2 * mpmath.pi * mpmath.mpf(u))
+        for found, wanted in zip(turn(u), exact, strict=True):
+            assert abs(found - wanted) < 3.4e-16
 
 
 @pytest.mark.parametrize("kind", [0, 1, 2])

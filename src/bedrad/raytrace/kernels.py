@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
-__all__ = ["ESCAPED", "LIMIT", "TUBE", "ROD", "PLATE", "first_hit", "sphere_distance", "start_ray", "trace"]
+__all__ = ["ESCAPED", "LIMIT", "TUBE", "ROD", "PLATE", "first_hit", "sphere_distance", "start_ray", "trace", "turn"]
 
 TUBE, ROD, PLATE = 0, 1, 2
 
@@ -22,7 +22,7 @@ ESCAPED = -1.0
 """Distance returned by `first_hit` when the ray left through an open end of the bed."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def sphere_distance(ox, oy, oz, dx, dy, dz, cx, cy, cz, radius):
     """Distance along a ray of unit direction to a sphere: 0 from inside it, infinite where it is missed.
 
@@ -38,20 +38,17 @@ def sphere_distance(ox, oy, oz, dx, dy, dz, cx, cy, cz, radius):
     return max(along - half, 0.0) if (square > 0.0) & (along + half > 0.0) else math.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _axis_walk(o, d, low, size, cells):
     """Start of a cell walk along one axis: cell number, step, distance to the next face, distance between faces."""
+    # a direction of exactly zero would give 0 * inf; so small a one never reaches a face either
+    inverse = 1.0 / (d if abs(d) > 1e-200 else 1e-200)
     cell = min(max(int((o - low) / size), 0), cells - 1)
-    if d > 0.0:
-        inverse = 1.0 / d
-        return cell, 1, (low + (cell + 1) * size - o) * inverse, size * inverse
-    if d < 0.0:
-        inverse = 1.0 / d
-        return cell, -1, (low + cell * size - o) * inverse, -size * inverse
-    return cell, 0, math.inf, math.inf
+    up = inverse > 0.0
+    return cell, 2 * up - 1, (low + (cell + up) * size - o) * inverse, size * abs(inverse)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def first_hit(ox, oy, oz, dx, dy, dz, limit, low, size, cells, period, starts, members, spheres):
     """Distance to the first sphere on a ray, by a walk through the cells of a grid.
 
@@ -120,7 +117,27 @@ def first_hit(ox, oy, oz, dx, dy, dz, limit, low, size, cells, period, starts, m
                 oz -= sz * period[2]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def turn(u):
+    """Cosine and sine of u full turns, 0 <= u <= 1, to two roundings.
+
+    Power series within an eighth of a turn, mirrored to the quarter where u lies: no range reduction and no branch,
+    which makes it several times faster than the library's functions; four of those were a fifth of the time of a ray.
+    """
+    quarter = math.floor(4.0 * u + 0.5)
+    x = 2.0 * math.pi * (u - 0.25 * quarter)
+    z = x * x
+    c = 1.0 - z * (1 / 2 - z * (1 / 24 - z * (1 / 720 - z * (1 / 40320 - z * (
+        1 / 3628800 - z * (1 / 479001600 - z * (1 / 87178291200 - z / 20922789888000)))))))  # fmt: skip
+    s = x * (1.0 - z * (1 / 6 - z * (1 / 120 - z * (1 / 5040 - z * (1 / 362880 - z * (
+        1 / 39916800 - z * (1 / 6227020800 - z / 1307674368000)))))))  # fmt: skip
+    q = int(quarter)
+    swap = (q & 1) == 1
+    cosine, sine = (s if swap else c), (c if swap else s)
+    return -cosine if ((q + 1) & 2) == 2 else cosine, -sine if (q & 2) == 2 else sine
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def start_ray(u, kind, wall_radius, axial_low, axial_length, lateral_low, lateral_length):
     """Origin on the wall and direction by the cosine law, from a point of the unit hypercube.
 
@@ -140,19 +157,18 @@ def start_ray(u, kind, wall_radius, axial_low, axial_length, lateral_low, latera
     """
     cosine = math.sqrt(1.0 - u[2])
     sine = math.sqrt(u[2])
-    azimuth = 2.0 * math.pi * u[3]
-    across, along = sine * math.cos(azimuth), sine * math.sin(azimuth)
+    across, along = turn(u[3])
+    across, along = sine * across, sine * along
     axial = axial_low + axial_length * u[0]
     if kind == PLATE:
         return axial, lateral_low + lateral_length * u[1], 0.0, along, across, cosine, cosine
-    angle = 2.0 * math.pi * u[1]
-    ex, ey = math.cos(angle), math.sin(angle)
+    ex, ey = turn(u[1])
     inward = -cosine if kind == TUBE else cosine
     dx, dy = inward * ex - across * ey, inward * ey + across * ex
     return wall_radius * ex, wall_radius * ey, axial, dx, dy, along, cosine
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _far_limit(kind, wall_radius, reach, dx, dy, cosine):
     """Distances at which a ray ends: at the far wall of a tube, and where it first gets deeper than `reach`."""
     if kind == PLATE:
@@ -175,7 +191,7 @@ def _far_limit(kind, wall_radius, reach, dx, dy, cosine):
     return wall, c / (b + math.sqrt(square))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _layer(kind, wall_radius, edges, x, y, z):
     """Number of the layer that holds a point: the first whose outer edge is not exceeded, len(edges) - 1 beyond."""
     if kind == PLATE:
@@ -190,7 +206,7 @@ def _layer(kind, wall_radius, edges, x, y, z):
     return layer
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def trace(
     points, kind, wall_radius, window, edges, reach, low, size, cells, period, starts, members, spheres, counts, unsettled
 ):
@@ -249,7 +265,7 @@ def trace(
     return left
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _touches(cx, cy, cz, radius, x0, y0, z0, hx, hy, hz):
     """Whether a sphere reaches into a cell (lower corner, size)."""
     x = max(x0 - cx, 0.0, cx - x0 - hx)
@@ -258,7 +274,7 @@ def _touches(cx, cy, cz, radius, x0, y0, z0, hx, hy, hz):
     return x * x + y * y + z * z <= radius * radius * (1.0 + 1e-12)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def fill_cells(spheres, low, size, cells, starts, members):
     """List the spheres that reach into each cell.
 
