@@ -1,0 +1,100 @@
+"""Checks that every model shares: refuse what has no meaning, warn where a fit is left behind."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = [
+    "FloatArray",
+    "RangeWarning",
+    "non_negative",
+    "plain",
+    "positive",
+    "warn",
+    "warn_outside",
+    "within",
+]
+
+FloatArray = NDArray[np.float64]
+
+
+class RangeWarning(UserWarning):
+    """A correlation is used outside the range it was fitted in; the result is an extrapolation."""
+
+
+def plain(values: ArrayLike) -> FloatArray:
+    """Return a number for numbers and an array for arrays, as the caller gave the inputs."""
+    result: FloatArray = np.asarray(values, dtype=np.float64)[()]
+    return result
+
+
+def _refuse(name: str, values: FloatArray, good: NDArray[np.bool_], unit: str, expected: str) -> None:
+    if np.all(good):
+        return
+    bad = np.atleast_1d(values)[~np.atleast_1d(good)]
+    more = f" ({bad.size} such values)" if bad.size > 1 else ""
+    raise ValueError(f"{name} is {float(bad[0]):g}{' ' + unit if unit else ''}{more}; expected {expected}")
+
+
+def positive(name: str, values: ArrayLike, unit: str = "", *, infinite: bool = False) -> FloatArray:
+    """`values` as floats, refused unless all are positive (and finite, unless `infinite`)."""
+    x = np.asarray(values, dtype=np.float64)
+    good = (x > 0.0) & (np.isfinite(x) | infinite)
+    _refuse(name, x, good, unit, "a positive number" if infinite else "a positive, finite number")
+    return x
+
+
+def non_negative(name: str, values: ArrayLike, unit: str = "") -> FloatArray:
+    """`values` as floats, refused unless all are finite and none is negative."""
+    x = np.asarray(values, dtype=np.float64)
+    _refuse(name, x, np.isfinite(x) & (x >= 0.0), unit, "a finite number that is not negative")
+    return x
+
+
+def within(
+    name: str, values: ArrayLike, low: float, high: float, unit: str = "", *, open_above: bool = False
+) -> FloatArray:
+    """`values` as floats, refused unless all lie in [low, high], or in [low, high) if `open_above`."""
+    x = np.asarray(values, dtype=np.float64)
+    good = (x >= low) & ((x < high) if open_above else (x <= high))
+    limit = f"less than {high:g}" if open_above else f"at most {high:g}"
+    _refuse(name, x, good, unit, f"at least {low:g} and {limit}")
+    return x
+
+
+def warn(message: str) -> None:
+    """Issue a `RangeWarning` that points at the first line outside `bedrad.heat`."""
+    level, frame = 1, sys._getframe(0)
+    while frame.f_back is not None and str(frame.f_globals.get("__name__", "")).startswith("bedrad.heat"):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, RangeWarning, stacklevel=level)
+
+
+def warn_outside(what: str, values: ArrayLike, low: float, high: float, unit: str = "") -> None:
+    """Warn once if any value lies outside the fitted range [low, high] (rounding forgiven).
+
+    Parameters
+    ----------
+    what : str
+        What was fitted and over what, e.g. "packing_fraction (Watkins 2018, eq. 38): diameter_ratio".
+    values : array_like
+        The values used.
+    low, high : float
+        The fitted range.
+    unit : str
+        Unit of the range, may be empty.
+    """
+    x = np.asarray(values, dtype=np.float64)
+    slack = 1e-9 * max(abs(low), abs(high))
+    outside = (x < low - slack) | (x > high + slack)
+    if not np.any(outside):
+        return
+    first = float(np.atleast_1d(x)[np.atleast_1d(outside)][0])
+    suffix = f" {unit}" if unit else ""
+    warn(
+        f"{what} is {first:g}{suffix}, outside the fitted range {low:g} to {high:g}{suffix}: an extrapolation"
+    )
