@@ -45,7 +45,9 @@ class Window:
                 continue
             low, high = interval
             if not (math.isfinite(low) and math.isfinite(high) and low < high):
-                raise ValueError(f"{name} window ({low}, {high}) m is empty or not finite; expected low < high")
+                raise ValueError(
+                    f"{name} window ({low}, {high}) m is empty or not finite; expected low < high"
+                )
 
     @property
     def length(self) -> float:
@@ -54,7 +56,9 @@ class Window:
 
 
 def _check_radius(what: str, radius: float) -> None:
-    if not (isinstance(radius, (int, float, np.floating, np.integer)) and math.isfinite(radius) and radius > 0):
+    if not (
+        isinstance(radius, (int, float, np.floating, np.integer)) and math.isfinite(radius) and radius > 0
+    ):
         raise ValueError(f"{what} radius is {radius!r}; expected a positive, finite number of metres")
 
 

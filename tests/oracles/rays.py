@@ -39,7 +39,7 @@ def cosine_rays(rng, wall, window, count):
 def fates(wall, origins, directions, hits, edges, ends):
     """Layer of each ray's end, then len(edges) - 1 beyond, + 1 wall, + 2 escaped.
 
-    `ends` maps an open axis to its (low, high). A ray beside a rod or plate is beyond once it is deeper than the last edge.
+    `ends` maps an open axis to its (low, high). Beside a rod or plate a ray is beyond once deeper than the last edge.
     """
     layers = len(edges) - 1
     fate = np.full(len(hits), layers)
@@ -60,6 +60,7 @@ def fates(wall, origins, directions, hits, edges, ends):
     for axis, (low, high) in ends.items():
         d = directions[:, axis]
         with np.errstate(divide="ignore"):
-            t_out = np.where(d > 0, (high - origins[:, axis]) / d, np.where(d < 0, (low - origins[:, axis]) / d, np.inf))
+            o = origins[:, axis]
+            t_out = np.where(d > 0, (high - o) / d, np.where(d < 0, (low - o) / d, np.inf))
         fate[t_out < t_end] = layers + 2
     return fate

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracles.beds import random_bed
-from oracles.rays import cosine_rays, fates, first_hits
 
 import bedrad
 from bedrad.raytrace.kernels import first_hit, sphere_distance, start_ray, trace, turn
 from bedrad.raytrace.scene import build_scene
 from bedrad.walls import Window
+from oracles.beds import random_bed
+from oracles.rays import cosine_rays, fates, first_hits
 
 WALLS = {
     "tube": (bedrad.Tube(5.0), 6.0),

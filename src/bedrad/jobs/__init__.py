@@ -1,0 +1,1 @@
+"""Jobs: a checked TOML file in, one results file out."""

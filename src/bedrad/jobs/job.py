@@ -135,13 +135,23 @@ class TemperatureRange(_Section):
     highest: Annotated[Temperature, Field(gt=0)]
     count: PositiveInt = 21
 
+    def values(self) -> list[float]:
+        """The temperatures. [K]"""
+        if self.count == 1:
+            return [self.lowest]
+        step = (self.highest - self.lowest) / (self.count - 1)
+        return [self.lowest + k * step for k in range(self.count)]
+
 
 class PredictionSection(_Section):
     """Heat transfer by the two-layer model, against the wall temperature."""
 
     wall_temperatures: TemperatureRange | tuple[Annotated[Temperature, Field(gt=0)], ...]
-    velocity: Annotated[Velocity, Field(ge=0)] = 0.0
+    velocity: Annotated[Velocity, Field(ge=0)]
+    particle_diameter: Annotated[Length, Field(gt=0)] | None = None
+    nc_distance: Literal["mean", "weighted", "closing"] = "mean"
     solid_conductivity: Annotated[Conductivity, Field(gt=0)] = 2.1
+    bulk: Literal["auto", "table 5.2", "zbs"] = "auto"
     bulk_packing_fraction: Annotated[float, Field(gt=0, lt=1)] = 0.63
     emissivity: Annotated[float, Field(gt=0, le=1)] = 0.8
     published_systems: bool = True
@@ -185,6 +195,11 @@ class Job(_Section):
         measured = [n for n in ("statistics", "view_factors", "convergence") if getattr(self, n) is not None]
         if measured and self.packing is None:
             raise ValueError(f"[{measured[0]}] needs a [packing]")
+        if self.prediction is not None:
+            if self.wall is not None and self.wall.shape != "tube":
+                raise ValueError(f"[prediction] is for flow in a tube; the wall is a {self.wall.shape}")
+            if self.packing is None and (self.wall is None or self.prediction.particle_diameter is None):
+                raise ValueError("[prediction] without a [packing] needs a [wall] and a particle_diameter")
         if self.prediction is None and self.packing is None:
             raise ValueError("nothing to do: give a [packing] or a [prediction]")
         return self

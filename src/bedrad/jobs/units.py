@@ -56,7 +56,7 @@ def quantity(text: object, unit: str) -> float:
         value = float(registry.Quantity(float(number), written).to(unit.replace(" ", " * ")).magnitude)
     except pint.DimensionalityError:
         raise ValueError(f"{text!r} has the wrong kind of unit; {expected}") from None
-    except Exception:  # noqa: BLE001 - pint's parser raises whatever its grammar stumbles over
+    except Exception:
         raise ValueError(f"{text!r} has an unknown unit {given!r}; {expected}") from None
     if not math.isfinite(value):
         raise ValueError(f"{text!r} is not a finite quantity; {expected}")

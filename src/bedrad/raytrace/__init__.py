@@ -1,0 +1,1 @@
+"""Rays from the wall to exact spheres: view factors, and how sure they are."""

@@ -140,10 +140,23 @@ class ViewFactors:
         by_block = counts.sum(axis=0)
         in_block = by_block.sum(axis=1, keepdims=True)
         filled = in_block[:, 0] > 0
-        blocks = by_block[filled] / in_block[filled]
-        return cls._assemble(
-            counts.sum(axis=1) / totals[:, None],
-            _standard_error(blocks),
+        bed = _standard_error(by_block[filled] / in_block[filled])
+        scramblings = counts.sum(axis=1) / totals[:, None]
+        mean, error = scramblings.mean(axis=0), _standard_error(scramblings)
+        n = len(mean) - 3
+        return cls(
+            layers=mean[:n],
+            layers_error=error[:n],
+            layers_bed_error=bed[:n],
+            beyond=float(mean[n]),
+            beyond_error=float(error[n]),
+            beyond_bed_error=float(bed[n]),
+            wall=float(mean[n + 1]),
+            wall_error=float(error[n + 1]),
+            wall_bed_error=float(bed[n + 1]),
+            escaped=float(mean[n + 2]),
+            escaped_error=float(error[n + 2]),
+            escaped_bed_error=float(bed[n + 2]),
             edges=edges,
             window=window,
             rays=int(totals.sum()),
@@ -152,18 +165,8 @@ class ViewFactors:
             seed=seed,
             left_out=left_out,
             history=history,
+            scramblings=scramblings,
         )
-
-    @classmethod
-    def _assemble(cls, scramblings: FloatArray, bed: FloatArray, **rest: object) -> ViewFactors:
-        mean, error = scramblings.mean(axis=0), _standard_error(scramblings)
-        n = len(mean) - 3
-        named = {}
-        for name, k in (("beyond", n), ("wall", n + 1), ("escaped", n + 2)):
-            named |= {name: float(mean[k]), f"{name}_error": float(error[k]), f"{name}_bed_error": float(bed[k])}
-        return cls(
-            layers=mean[:n], layers_error=error[:n], layers_bed_error=bed[:n], scramblings=scramblings, **named, **rest
-        )  # type: ignore[arg-type]
 
     def normalised(self, convention: str) -> ViewFactors:
         """The same result in another convention.
@@ -189,16 +192,20 @@ class ViewFactors:
         layers = self.scramblings[:, :n]
         ratio = self.layers / met
         shares = ratio + (layers - ratio * layers.sum(axis=1, keepdims=True)) / met
-        scale = self.layers_bed_error / met
         return replace(
             self,
             layers=ratio,
             layers_error=_standard_error(shares),
-            layers_bed_error=scale,
-            **dict.fromkeys(
-                [f"{name}{suffix}" for name in ("wall", "beyond", "escaped") for suffix in ("", "_error", "_bed_error")],
-                0.0,
-            ),
+            layers_bed_error=self.layers_bed_error / met,
+            beyond=0.0,
+            beyond_error=0.0,
+            beyond_bed_error=0.0,
+            wall=0.0,
+            wall_error=0.0,
+            wall_bed_error=0.0,
+            escaped=0.0,
+            escaped_error=0.0,
+            escaped_bed_error=0.0,
             normalisation=convention,
         )
 

@@ -11,7 +11,18 @@ import math
 import numpy as np
 from numba import njit
 
-__all__ = ["ESCAPED", "LIMIT", "TUBE", "ROD", "PLATE", "first_hit", "sphere_distance", "start_ray", "trace", "turn"]
+__all__ = [
+    "ESCAPED",
+    "LIMIT",
+    "PLATE",
+    "ROD",
+    "TUBE",
+    "first_hit",
+    "sphere_distance",
+    "start_ray",
+    "trace",
+    "turn",
+]
 
 TUBE, ROD, PLATE = 0, 1, 2
 
@@ -49,7 +60,7 @@ def _axis_walk(o, d, low, size, cells):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def first_hit(ox, oy, oz, dx, dy, dz, limit, low, size, cells, period, starts, members, spheres):
+def first_hit(ox, oy, oz, dx, dy, dz, limit, low, size, cells, period, starts, members, spheres):  # noqa: C901 - three axes, each stepped in place
     """Distance to the first sphere on a ray, by a walk through the cells of a grid.
 
     Parameters
@@ -81,9 +92,7 @@ def first_hit(ox, oy, oz, dx, dy, dz, limit, low, size, cells, period, starts, m
         cell = np.uint64((ix * ny + iy) * nz + iz)
         for k in range(starts[cell], starts[cell + np.uint64(1)]):
             s = np.uint32(members[k])
-            t = sphere_distance(
-                ox, oy, oz, dx, dy, dz, spheres[s, 0], spheres[s, 1], spheres[s, 2], spheres[s, 3]
-            )
+            t = sphere_distance(ox, oy, oz, dx, dy, dz, spheres[s, 0], spheres[s, 1], spheres[s, 2], spheres[s, 3])
             best = min(best, t)
         leave = min(tx, min(ty, tz))
         if best <= leave:
@@ -208,7 +217,21 @@ def _layer(kind, wall_radius, edges, x, y, z):
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def trace(
-    points, kind, wall_radius, window, edges, reach, low, size, cells, period, starts, members, spheres, counts, unsettled
+    points,
+    kind,
+    wall_radius,
+    window,
+    edges,
+    reach,
+    low,
+    size,
+    cells,
+    period,
+    starts,
+    members,
+    spheres,
+    counts,
+    unsettled,
 ):
     """Trace rays and count where they end.
 
@@ -246,9 +269,7 @@ def trace(
         u = points[i]
         ox, oy, oz, dx, dy, dz, cosine = start_ray(u, kind, wall_radius, window[0], window[1], window[2], window[3])
         wall, deep = _far_limit(kind, wall_radius, reach, dx, dy, cosine)
-        t = first_hit(
-            ox, oy, oz, dx, dy, dz, min(wall, deep), low, size, cells, period, starts, members, spheres
-        )
+        t = first_hit(ox, oy, oz, dx, dy, dz, min(wall, deep), low, size, cells, period, starts, members, spheres)
         if t == ESCAPED:
             fate = layers + 2
         elif t < LIMIT:
@@ -287,8 +308,8 @@ def fill_cells(spheres, low, size, cells, starts, members):
     for s in range(spheres.shape[0]):
         radius = spheres[s, 3]
         for k in range(3):
-            first[k] = max(0, int(math.floor((spheres[s, k] - radius - low[k]) / size[k] - 1e-9)))
-            last[k] = min(cells[k] - 1, int(math.floor((spheres[s, k] + radius - low[k]) / size[k] + 1e-9)))
+            first[k] = max(0, int((spheres[s, k] - radius - low[k]) / size[k] - 1e-9))
+            last[k] = min(cells[k] - 1, int((spheres[s, k] + radius - low[k]) / size[k] + 1e-9))
         for i in range(first[0], last[0] + 1):
             for j in range(first[1], last[1] + 1):
                 for k in range(first[2], last[2] + 1):

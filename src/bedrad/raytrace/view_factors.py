@@ -8,7 +8,6 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -76,8 +75,8 @@ def view_factors(
     window : Window, optional
         The piece of wall that emits; `Packing.window` if not given, which leaves out open ends.
     blocks : int, optional
-        Axial blocks by which the scatter of the bed itself is estimated; at most 8 blocks, each at least 2 mean diameters
-        long, if not given. With one block there is no estimate (nan).
+        Axial blocks by which the scatter of the bed itself is estimated; at most 8 blocks, each at least 2 mean
+        diameters long, if not given. With one block there is no estimate (nan).
     threads : int, optional
         Number of threads; all processors if not given. The result does not depend on it.
     progress : callable, optional
@@ -138,7 +137,9 @@ def _check_edges(packing: Packing, edges: ArrayLike | None) -> FloatArray:
     if e.ndim != 1 or len(e) < 2 or e[0] != 0.0 or not np.isfinite(e).all() or not (np.diff(e) > 0).all():
         raise ValueError(f"edges is {e.tolist()}; expected at least two ascending depths in metres, the first 0")
     if e[-1] > packing.wall.largest_depth:
-        raise ValueError(f"the last edge, {e[-1]:.6g} m, is deeper than the tube's axis at {packing.wall.largest_depth:.6g} m")
+        raise ValueError(
+            f"the last edge, {e[-1]:.6g} m, is deeper than the tube's axis at {packing.wall.largest_depth:.6g} m"
+        )
     return e
 
 
@@ -169,7 +170,7 @@ def available_processors() -> int:
 
 
 class _Tracer:
-    """Traces batches of points: first in the grid near the wall, the few rays that get deeper in one of the whole bed."""
+    """Traces batches of points: in the grid near the wall, then the few that get deeper in one of the whole bed."""
 
     def __init__(self, packing: Packing, edges: FloatArray, window: Window, blocks: int) -> None:
         if blocks < 1:

@@ -1,0 +1,391 @@
+"""The command line: words to calls, nothing computed here.
+
+Every command loads what it needs when it runs, so that ``bedrad --help`` answers at once.
+"""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import cyclopts
+from cyclopts import App, Parameter
+
+from bedrad import __version__
+from bedrad.command_options import (
+    OUTPUT,
+    Conductivity,
+    Density,
+    DryRun,
+    IsPlate,
+    Length,
+    Output,
+    RodDiameter,
+    Stiffness,
+    Temperature,
+    TubeDiameter,
+    Velocity,
+    describe,
+    fail,
+    list_files,
+    parse_size,
+    progress_bars,
+    read_bed,
+    save,
+    say,
+    show_warning,
+)
+from bedrad.errors import EngineFailedError, MissingExtraError
+
+__all__ = ["app", "main"]
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as shells have it."""
+
+app = App(
+    name="bedrad",
+    version=__version__,
+    help="Packings near walls, exact-sphere view factors, and the heat transfer of dense granular flows up to "
+    "1100 degC.",
+    help_epilogue="Example:  bedrad run examples/hot_tube.toml -o results/hot_tube.h5\n\n"
+    "Exit codes: 0 done, 1 the job failed (what was finished is kept), 2 the input is wrong, 130 interrupted.",
+)
+
+
+@app.command(help_epilogue="Example:  bedrad run examples/hot_tube.toml -o results/hot_tube.h5")
+def run(job_file: Path, /, *, output: Output = None, dry_run: DryRun = False) -> None:
+    """Run a job: the whole way from a bed to a heat-transfer prediction.
+
+    Stages that the results file already holds are not computed again.
+
+    Parameters
+    ----------
+    job_file
+        The job, a TOML file.
+    output
+        The results file (HDF5); the job's name with .h5 in this folder if not given. Tables and figures go beside it.
+    dry_run
+        Say what would run, what is left out, and why; run nothing.
+    """
+    from bedrad.jobs.job import load_job
+    from bedrad.jobs.pipeline import make_plan, run_job
+    from bedrad.jobs.results import Results
+    from bedrad.report.tables import write_tables
+    from bedrad.report.terminal import summary
+
+    job = load_job(job_file)
+    path = output or Path(f"{job_file.stem}.h5")
+    if dry_run:
+        plan = make_plan(job, Results(path))
+        for stage in plan.stages:
+            say(f"{'kept' if stage.done else 'run':<9} {stage.name:<13} {stage.summary}")
+        for name, reason in plan.left_out:
+            say(f"{'left out':<9} {name:<13} {reason}")
+        say(f"results   {path}")
+        return
+    with progress_bars() as report:
+        results = run_job(job, path, report)
+    OUTPUT.print(summary(results))
+    written = write_tables(results, path.parent) if job.output.tables else []
+    if job.output.figures:
+        from bedrad.report.figures import write_figures
+
+        written += write_figures(results, path.parent)
+    list_files([path, *written])
+
+
+@app.command(
+    help_epilogue="Example:  bedrad settle --tube 7.75mm --diameter 600um --height 18mm --seed 1 -o bed.h5\n\n"
+    'A mixture:  bedrad settle --tube 7.75mm --size "500 um:0.3" --size "600 um:0.7" --height 18mm -o bed.h5'
+)
+def settle(
+    *,
+    tube: Annotated[Length, Parameter(name="--tube")],
+    height: Length,
+    diameter: Length | None = None,
+    size: Annotated[tuple[str, ...], Parameter(negative=())] = (),
+    seed: int = 0,
+    density: Density = 3800.0,
+    friction: float = 0.4,
+    wall_friction: float | None = None,
+    restitution: float = 0.85,
+    stiffness: Stiffness | None = None,
+    ranks: int = 1,
+    output: Annotated[Path, Parameter(name=["--output", "-o"])] = Path("bed.h5"),
+    dry_run: DryRun = False,
+) -> None:
+    """Settle a bed of spheres in a tube with LAMMPS and write it to a file.
+
+    Parameters
+    ----------
+    tube
+        Inner diameter of the tube, such as 7.75mm.
+    height
+        Height of the settled bed.
+    diameter
+        Particle diameter.
+    size
+        In place of --diameter, once for each size: diameter and number share, such as "500 um:0.3".
+    seed
+        Seed of the random start; the same seed gives the same bed.
+    density
+        Density of the particles. [default: 3800 kg/m^3]
+    friction
+        Coefficient of friction between particles.
+    wall_friction
+        Coefficient of friction with the wall; as between particles if not given.
+    restitution
+        Coefficient of restitution.
+    stiffness
+        Stiffness of the softened contacts; 100 N/m for 0.6 mm, in proportion to the diameter, if not given.
+    ranks
+        MPI ranks of LAMMPS.
+    output
+        File to write; the suffix says the format (.h5, .csv).
+    dry_run
+        Say what LAMMPS would be given; run nothing.
+    """
+    import bedrad
+    from bedrad.packings.settle import plan_settle
+
+    wall = bedrad.Tube(tube / 2)
+    sizes = [parse_size(text) for text in size] or None
+    parameters: dict[str, Any] = {
+        "sizes": sizes, "density": density, "friction": friction, "wall_friction": wall_friction,
+        "restitution": restitution, "stiffness": stiffness,
+    }  # fmt: skip
+    plan = plan_settle(wall, diameter, height, seed, **parameters)
+    if dry_run:
+        say(str(plan))
+        return
+    with progress_bars() as report:
+        bed = bedrad.settle(
+            wall,
+            diameter,
+            height,
+            seed,
+            **parameters,
+            ranks=ranks,
+            progress=lambda f, t: report("settle", f, t),
+        )
+        bedrad.write(bed, output)
+    say(f"{bed}")
+    for name, value in bed.provenance.items():
+        say(f"  {name:<28} {value}")
+    list_files([output])
+
+
+@app.command(help_epilogue="Example:  bedrad statistics bed.h5 --contact-gap 0.01\n\n"
+             "A dump:  bedrad statistics bed.dump --tube 7.75mm -o statistics.h5")  # fmt: skip
+def statistics(
+    file: Path,
+    /,
+    *,
+    tube: TubeDiameter = None,
+    rod: RodDiameter = None,
+    plate: IsPlate = False,
+    diameter: Length | None = None,
+    frame: int = -1,
+    layers: int = 3,
+    margin: float = 4.0,
+    contact_gap: float = 1e-2,
+    output: Output = None,
+    dry_run: DryRun = False,
+) -> None:
+    """Measure a packing beside its wall: solid fractions, wall contacts, no-contact particles, with errors.
+
+    Parameters
+    ----------
+    file
+        The packing: bedrad HDF5 or CSV, LAMMPS or LIGGGHTS dump.
+    tube
+        The bed is in a tube of this inner diameter.
+    rod
+        The bed is around a rod of this diameter.
+    plate
+        The bed lies on the plane z = 0.
+    diameter
+        Particle diameter, for files that hold positions only.
+    frame
+        Number of the frame, from 0; -1 is the last.
+    layers
+        Number of layers: the first one radius deep, the others one diameter.
+    margin
+        What the measuring window leaves out at open ends, in mean diameters.
+    contact_gap
+        Gap to the wall that counts as contact, in radii.
+    output
+        Results file (HDF5) to write.
+    dry_run
+        Read and check the packing and say what would be measured.
+    """
+    import bedrad
+    from bedrad.jobs.fields import STATISTICS
+
+    bed = read_bed(file, tube, rod, plate, diameter, frame)
+    edges = bedrad.layer_edges(bed, layers)
+    if dry_run:
+        describe(bed, edges, margin)
+        return
+    found = bedrad.statistics(bed, edges, contact_gap, margin=margin)
+    say(str(found))
+    save("statistics", found, STATISTICS, output)
+
+
+@app.command(help_epilogue="Example:  bedrad view-factors bed.h5 --tolerance 1e-4\n\n"
+             "A dump:  bedrad view-factors bed.dump --tube 7.75mm --rays 4194304 --seed 2 -o factors.h5")  # fmt: skip
+def view_factors(
+    file: Path,
+    /,
+    *,
+    tube: TubeDiameter = None,
+    rod: RodDiameter = None,
+    plate: IsPlate = False,
+    diameter: Length | None = None,
+    frame: int = -1,
+    layers: int = 3,
+    margin: float = 4.0,
+    tolerance: float | None = None,
+    rays: int | None = None,
+    seed: int = 0,
+    threads: int | None = None,
+    normalised: Literal["watkins"] | None = None,
+    output: Output = None,
+    dry_run: DryRun = False,
+) -> None:
+    """Trace the view factors from the wall to the layers of a packing, with standard errors.
+
+    Parameters
+    ----------
+    file
+        The packing: bedrad HDF5 or CSV, LAMMPS or LIGGGHTS dump.
+    tube
+        The bed is in a tube of this inner diameter.
+    rod
+        The bed is around a rod of this diameter.
+    plate
+        The bed lies on the plane z = 0.
+    diameter
+        Particle diameter, for files that hold positions only.
+    frame
+        Number of the frame, from 0; -1 is the last.
+    layers
+        Number of layers: the first one radius deep, the others one diameter.
+    margin
+        What the emitting window leaves out at open ends, in mean diameters.
+    tolerance
+        Trace until every standard error is below this; 1e-3 if --rays is not given either.
+    rays
+        Trace this many rays instead.
+    seed
+        Seed of the rays.
+    threads
+        Number of threads; all processors if not given. The result does not depend on it.
+    normalised
+        Spread what meets no layer over the layers, as the publication named does.
+    output
+        Results file (HDF5) to write.
+    dry_run
+        Read and check the packing and say what would be traced.
+    """
+    import bedrad
+    from bedrad.jobs.fields import VIEW_FACTORS
+
+    bed = read_bed(file, tube, rod, plate, diameter, frame)
+    edges = bedrad.layer_edges(bed, layers)
+    if dry_run:
+        describe(bed, edges, margin)
+        return
+    with progress_bars() as report:
+        found = bedrad.view_factors(
+            bed, edges, tolerance, rays, seed, window=bed.window(margin), threads=threads,
+            progress=lambda share, text: report("view factors", share, text),
+        )  # fmt: skip
+    if normalised is not None:
+        found = found.normalised(normalised)
+    say(str(found))
+    save("view_factors", found, VIEW_FACTORS, output)
+
+
+@app.command(
+    help_epilogue="Example:  bedrad predict --tube 7.75mm --diameter 300um --velocity 0.058m/s "
+    "--temperature 100degC --temperature 1100degC"
+)
+def predict(
+    *,
+    tube: Annotated[Length, Parameter(name="--tube")],
+    diameter: Length,
+    velocity: Velocity,
+    temperature: Annotated[tuple[Temperature, ...], Parameter(negative=())],
+    solid_conductivity: Conductivity = 2.1,
+    packing_fraction: float | None = None,
+    contacts_per_area: Annotated[float | None, Parameter()] = None,
+    nc_distance: float = 0.22,
+    view_factor: Annotated[tuple[float, ...], Parameter(negative=())] = (),
+    bulk: Literal["auto", "table 5.2", "zbs"] = "auto",
+) -> None:
+    """Predict the heat transfer of a dense flow in a hot tube by the two-layer model (Watkins 2018).
+
+    Parameters
+    ----------
+    tube
+        Inner diameter of the tube.
+    diameter
+        Particle diameter.
+    velocity
+        Mean flow velocity; enters through the correlations of the wall layer.
+    temperature
+        Wall temperature, such as 850degC; once for each.
+    solid_conductivity
+        Conductivity of the particles. [default: 2.1 W/(m K), zirconia-silica]
+    packing_fraction
+        Measured solid fraction of the wall layer, in place of the correlation; with --contacts-per-area.
+    contacts_per_area
+        Measured wall contacts per square metre, in place of the correlation; with --packing-fraction.
+    nc_distance
+        Distance of the no-contact particles from the wall, in radii.
+    view_factor
+        View factor to a layer, once for each layer from the wall; 0.80, 0.18, 0.02 if not given.
+    bulk
+        Bulk conductivity: the measured fits where there is one for the particles, or a model.
+    """
+    from bedrad.heat import prediction
+
+    system = prediction.System(tube, diameter, velocity, solid_conductivity=solid_conductivity)
+    if (packing_fraction is None) != (contacts_per_area is None):
+        raise ValueError("give --packing-fraction and --contacts-per-area together")
+    layer = None
+    if packing_fraction is not None and contacts_per_area is not None:
+        layer = prediction.WallLayer(packing_fraction, contacts_per_area, nc_distance)
+    factors = prediction.ViewFactors(view_factor) if view_factor else None  # type: ignore[arg-type]
+    found = prediction.predict(system, list(temperature), layer, factors, bulk)
+    say(str(found))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        The words after ``bedrad``; those of the process if not given.
+
+    Returns
+    -------
+    int
+        Exit code: 0 done, 1 the job failed, 2 the input is wrong, 130 interrupted.
+    """
+    with warnings.catch_warnings():
+        warnings.showwarning = show_warning
+        try:
+            app(sys.argv[1:] if arguments is None else arguments, exit_on_error=False, print_error=False)
+        except (cyclopts.CycloptsError, ValueError) as error:
+            return fail(str(error), 2)
+        except (EngineFailedError, MissingExtraError, OSError, MemoryError) as error:
+            return fail(str(error) or type(error).__name__, 1)
+        except KeyboardInterrupt:
+            return fail("interrupted; what was finished is kept", INTERRUPTED)
+    return 0

@@ -1,0 +1,139 @@
+"""What the commands share: options with units, the wall, progress bars, printing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import cyclopts
+from cyclopts import Group, Parameter
+from rich.console import Console
+
+if TYPE_CHECKING:
+    from bedrad.packings.packing import Packing
+    from bedrad.walls import Wall
+
+OUTPUT, NOTES = Console(), Console(stderr=True)
+"""Results go to the one, progress, warnings and errors to the other."""
+
+
+def read_as(unit: str) -> Any:
+    """Parameter that reads a text such as ``600um`` as a number in the SI unit `unit`."""
+
+    def convert(_: type, tokens: Sequence[cyclopts.Token]) -> float:
+        from bedrad.jobs.units import quantity
+
+        return quantity(tokens[0].value, unit)
+
+    return Parameter(converter=convert, show_default=False)
+
+
+Length = Annotated[float, read_as("m")]
+Velocity = Annotated[float, read_as("m/s")]
+Temperature = Annotated[float, read_as("K")]
+Density = Annotated[float, read_as("kg/m^3")]
+Stiffness = Annotated[float, read_as("N/m")]
+Conductivity = Annotated[float, read_as("W/(m K)")]
+Output = Annotated[Path | None, Parameter(name=["--output", "-o"])]
+DryRun = Annotated[bool, Parameter(negative=())]
+WALL_GROUP = Group("Wall", help="One of these where the file does not name its wall; fitted to the spheres otherwise.")
+TubeDiameter = Annotated[Length | None, Parameter(name="--tube", group=WALL_GROUP)]
+RodDiameter = Annotated[Length | None, Parameter(name="--rod", group=WALL_GROUP)]
+IsPlate = Annotated[bool, Parameter(name="--plate", group=WALL_GROUP, negative=())]
+
+
+def parse_size(text: str) -> tuple[float, float]:
+    """Diameter [m] and number share from a text such as ``"500 um:0.3"``; ValueError if it is not one."""
+    from bedrad.jobs.units import quantity
+
+    diameter, separator, share = text.rpartition(":")
+    try:
+        if not separator:
+            raise ValueError
+        number = float(share)
+    except ValueError:
+        raise ValueError(f'--size {text!r}: expected a diameter and a number share, such as "500 um:0.3"') from None
+    return quantity(diameter, "m"), number
+
+
+def read_bed(
+    file: Path, tube: float | None, rod: float | None, plate: bool, diameter: float | None, frame: int
+) -> Packing:
+    """Read a packing, with the one wall that was given; ValueError if there were several."""
+    import bedrad
+
+    given: list[Wall] = []
+    if tube is not None:
+        given.append(bedrad.Tube(tube / 2))
+    if rod is not None:
+        given.append(bedrad.Rod(rod / 2))
+    if plate:
+        given.append(bedrad.Plate())
+    if len(given) > 1:
+        raise ValueError("give one wall: --tube, --rod or --plate")
+    return bedrad.read(file, given[0] if given else None, diameter=diameter, frame=frame)
+
+
+def describe(bed: Packing, edges: Any, margin: float) -> None:
+    """Print what would be measured."""
+    window = bed.window(margin)
+    say(str(bed))
+    say(f"window    {window.axial[0]:.6g} to {window.axial[1]:.6g} m along the axis")
+    say(f"layers    {', '.join(f'{e:.6g}' for e in edges)} m deep")
+
+
+def save(stage: str, found: Any, fields: Any, output: Path | None) -> None:
+    """Write a record to a results file, if one was asked for."""
+    if output is None:
+        return
+    from bedrad.jobs.results import save_record
+
+    save_record(output, stage, found, fields)
+    list_files([output])
+
+
+def say(text: str) -> None:
+    """Print a line of results as it is."""
+    OUTPUT.print(text, highlight=False, markup=False, soft_wrap=True)
+
+
+def list_files(paths: list[Path]) -> None:
+    """Print the files that were written."""
+    for path in paths:
+        say(f"wrote {path}")
+
+
+@contextmanager
+def progress_bars() -> Iterator[Any]:
+    """Bars on the error stream: stage, share done, time left."""
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description:<13}"),
+        BarColumn(bar_width=30),
+        TaskProgressColumn(),
+        TimeRemainingColumn(elapsed_when_finished=True),
+        TextColumn("{task.fields[note]}"),
+    )
+    with Progress(*columns, console=NOTES) as bars:
+        tasks: dict[str, Any] = {}
+
+        def report(stage: str, share: float, text: str) -> None:
+            if stage not in tasks:
+                tasks[stage] = bars.add_task(stage.replace("_", " "), total=1.0, note="")
+            bars.update(tasks[stage], completed=share, note=text)
+
+        yield report
+
+
+def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    """Print a warning as one line."""
+    NOTES.print(f"warning: {message}", highlight=False, markup=False, style="yellow")
+
+
+def fail(text: str, code: int) -> int:
+    """Print an error as one line and pass on the exit code."""
+    NOTES.print(f"bedrad: {text}", highlight=False, markup=False, style="red", soft_wrap=True)
+    return code

@@ -1,0 +1,91 @@
+"""Units and long names of what the results file holds, one table a stage."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+__all__ = ["CONVERGENCE", "PREDICTION", "STATISTICS", "SYSTEM", "VIEW_FACTORS", "WALL_LAYER", "Field"]
+
+Field = tuple[str, str]
+"""Units ("1" for none) and long name of a dataset; ``<name>_error`` is understood beside it."""
+
+STATISTICS: Mapping[str, Field] = {
+    "packing_fraction": ("1", "solid fraction of the wall layer"),
+    "contacts_per_area": ("1/m2", "wall contacts per wall area"),
+    "contact_ratio": ("1", "wall contacts over the hexagonal maximum"),
+    "nc_share": ("1", "share of particles without contact in the wall layer"),
+    "nc_distance": ("1", "mean gap of no-contact particles to the wall, in radii"),
+    "nc_distance_weighted": ("1", "the same, weighted by volume in the wall layer"),
+    "nc_distance_closing": ("1", "the same, as the one gap that closes the wall layer's solid volume"),
+    "edges": ("m", "depths that part the layers"),
+    "packing_fractions": ("1", "solid fraction of each layer"),
+    "gap_tolerances": ("1", "gap tolerances of the counts by gap, in radii"),
+    "contacts_per_area_by_gap": ("1/m2", "wall contacts per wall area, by gap tolerance"),
+    "contact_ratio_by_gap": ("1", "wall contacts over the hexagonal maximum, by gap tolerance"),
+    "profile_depths": ("m", "depths that part the bins of the profile"),
+    "profile": ("1", "solid fraction of each bin of depth"),
+    "spheres": ("1", "spheres with their centre in the window"),
+    "contacts": ("1", "of these, spheres with wall contact"),
+    "no_contacts": ("1", "of these, spheres without contact in the wall layer"),
+    "mean_diameter": ("m", "number mean of the particle diameters"),
+    "contact_gap": ("1", "gap that counts as contact, in radii"),
+    "overlap_share": ("1", "solid volume counted twice where spheres overlap"),
+    "seconds": ("s", "run time"),
+}
+
+VIEW_FACTORS: Mapping[str, Field] = {
+    "layers": ("1", "view factors from the wall to the layers"),
+    "beyond": ("1", "share that passes the last layer"),
+    "wall": ("1", "share that meets the wall again"),
+    "escaped": ("1", "share that leaves through open ends"),
+    "layers_bed_error": ("1", "scatter of the bed: standard error from block to block, layers"),
+    "beyond_bed_error": ("1", "scatter of the bed: standard error from block to block, beyond"),
+    "wall_bed_error": ("1", "scatter of the bed: standard error from block to block, wall"),
+    "escaped_bed_error": ("1", "scatter of the bed: standard error from block to block, escaped"),
+    "edges": ("m", "depths that part the layers"),
+    "scramblings": ("1", "shares found by each scrambling: layers, beyond, wall, escaped"),
+    "rays": ("1", "number of rays"),
+    "seconds": ("s", "run time"),
+    "setup_seconds": ("s", "of this, to build the grid"),
+}
+
+CONVERGENCE: Mapping[str, Field] = {
+    "rays": ("1", "number of rays of each run"),
+    "seconds": ("s", "run time of each run, median over the seeds"),
+    "true_error": ("1", "root mean square distance to the reference: layers, beyond, wall, escaped"),
+    "stated_error": ("1", "standard error that the runs state, root mean square"),
+    "exponent": ("1", "slope of log(true error) against log(rays)"),
+    "reference": ("1", "view factors of the independent longer run"),
+    "reference_rays": ("1", "its number of rays"),
+    "setup_seconds": ("s", "time to build the grid"),
+    "seeds": ("1", "repetitions behind each error"),
+    "total_seconds": ("s", "time of the whole study"),
+}
+
+PREDICTION: Mapping[str, Field] = {
+    "wall_temperature": ("K", "wall temperature"),
+    "heat_transfer_coefficient": ("W/(m2 K)", "heat transfer coefficient, wall to mean temperature"),
+    "heat_transfer_coefficient_without": ("W/(m2 K)", "heat transfer coefficient without radiation"),
+    "nusselt": ("1", "Nusselt number, h D / k_b"),
+    "nusselt_without": ("1", "Nusselt number without radiation"),
+    "wall_layer_conductivity": ("W/(m K)", "conductivity of the wall layer by conduction, k_wa"),
+    "radiative_conductivity": ("W/(m K)", "conductivity of the wall layer by radiation, k_rad"),
+    "bulk_conductivity": ("W/(m K)", "bulk conductivity"),
+    "bulk_conductivity_without": ("W/(m K)", "bulk conductivity without radiation"),
+    "gas_conductivity": ("W/(m K)", "conductivity of air at the wall temperature"),
+    "radiation_bound": ("1", "most that radiation from the wall can add to h, known before tracing"),
+}
+
+SYSTEM: Mapping[str, Field] = {
+    "tube_diameter": ("m", "inner diameter of the tube"),
+    "particle_diameter": ("m", "particle diameter"),
+    "velocity": ("m/s", "mean flow velocity"),
+    "diameter_ratio": ("1", "tube over particle diameter, A"),
+    "solid_conductivity": ("W/(m K)", "conductivity of the particles"),
+}
+
+WALL_LAYER: Mapping[str, Field] = {
+    "packing_fraction": ("1", "solid fraction of the wall layer"),
+    "contacts_per_area": ("1/m2", "wall contacts per wall area"),
+    "nc_distance": ("1", "distance of no-contact particles, in radii"),
+}

@@ -1,0 +1,204 @@
+"""The pipeline: which stages a job needs, and only those; each is computed once and kept in the results file."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bedrad import __version__
+from bedrad.errors import BadFileError
+from bedrad.jobs import stages
+from bedrad.jobs.job import Job
+from bedrad.jobs.results import Results
+
+__all__ = ["Plan", "Stage", "make_plan", "run_job"]
+
+Progress = Callable[[str, float, str], None]
+"""Called with the name of a stage, the share of it that is done, and a text."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A stage of a job.
+
+    Parameters
+    ----------
+    name : str
+        Name of the stage and of its group in the results file.
+    digest : str
+        SHA-256 of everything that its result depends on.
+    summary : str
+        What it does, for a dry run.
+    done : bool
+        Whether the results file holds it already.
+    """
+
+    name: str
+    digest: str
+    summary: str
+    done: bool
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a job will do.
+
+    Parameters
+    ----------
+    stages : tuple of Stage
+        Stages in the order of their running.
+    left_out : tuple of (str, str)
+        Stages that are not needed, and why.
+    inputs : mapping
+        SHA-256 of every input file.
+    """
+
+    stages: tuple[Stage, ...]
+    left_out: tuple[tuple[str, str], ...]
+    inputs: Mapping[str, str]
+
+
+def make_plan(job: Job, results: Results) -> Plan:
+    """Decide which stages a job needs and which of them are finished.
+
+    Parameters
+    ----------
+    job : Job
+        The job.
+    results : Results
+        Its results file, which need not exist.
+
+    Raises
+    ------
+    BadFileError
+        If an input file is missing, or the results file is something else.
+    """
+    finished = results.digests()
+    inputs = _input_digests(job)
+    wanted = _wanted(job)
+    digests: dict[str, str] = {}
+    planned = []
+    for name, (parameters, upstream, summary) in wanted.items():
+        digests[name] = _digest(name, parameters, [digests[u] for u in upstream if u in digests])
+        planned.append(Stage(name, digests[name], summary, finished.get(name) == digests[name]))
+    left_out = [(n, f"the job has no [{n}]") for n in stages.ORDER if n not in wanted]
+    return Plan(tuple(planned), tuple(left_out), inputs)
+
+
+def run_job(job: Job, path: Path, progress: Progress | None = None) -> Results:
+    """Run the stages of a job that are not finished yet.
+
+    Parameters
+    ----------
+    job : Job
+        The job.
+    path : Path
+        The results file; every finished stage is in it even if a later one fails.
+    progress : callable, optional
+        Called with the name of a stage, the share done and a text.
+
+    Returns
+    -------
+    Results
+        The results file.
+
+    Raises
+    ------
+    BadFileError
+        If an input file cannot be read, or `path` holds something else.
+    EngineFailedError
+        If LAMMPS fails.
+    OSError
+        If the results file cannot be written.
+    """
+    results = Results(path)
+    plan = make_plan(job, results)
+    keep = [stage.name for stage in plan.stages if stage.done]
+    attributes = {"job": job.resolved(), "inputs": json.dumps(dict(plan.inputs), sort_keys=True)}
+    for stage in plan.stages:
+        if stage.done:
+            _report(progress, stage.name, 1.0, "kept from an earlier run")
+            continue
+        fill = stages.RUNNERS[stage.name](job, results, _for_stage(progress, stage.name))
+        results.write_stage(stage.name, stage.digest, fill, keep=keep, attributes=attributes)
+        keep.append(stage.name)
+        _report(progress, stage.name, 1.0, "done")
+    return results
+
+
+def _report(progress: Progress | None, stage: str, share: float, text: str) -> None:
+    if progress is not None:
+        progress(stage, share, text)
+
+
+def _for_stage(progress: Progress | None, stage: str) -> Callable[[float, str], None]:
+    return lambda share, text: _report(progress, stage, share, text)
+
+
+def _wanted(job: Job) -> dict[str, tuple[dict[str, Any], tuple[str, ...], str]]:
+    """Stages that the job asks for: what their results depend on, which stages they build on, and a summary."""
+    wanted: dict[str, tuple[dict[str, Any], tuple[str, ...], str]] = {}
+    layers = job.layers.model_dump(mode="json")
+    if job.packing is not None:
+        source = job.packing.model_dump(mode="json")
+        wall = job.wall.model_dump(mode="json") if job.wall is not None else None
+        parameters: dict[str, Any] = {"wall": wall}
+        if job.packing.file is not None:
+            # the content counts, not the place
+            source["file"]["path"] = _sha256(job.packing.file.path)
+            summary = f"read {job.packing.file.path}"
+        else:
+            assert job.packing.settle is not None  # noqa: S101 - checked with the job
+            parameters["seed"] = job.seed
+            summary = f"settle a bed {job.packing.settle.height:g} m high with LAMMPS"
+        wanted["packing"] = (parameters | {"source": source}, (), summary)
+    if job.statistics is not None:
+        wanted["statistics"] = (
+            {"layers": layers, **job.statistics.model_dump(mode="json")},
+            ("packing",),
+            f"solid fractions, wall contacts within {job.statistics.contact_gap:g} r, no-contact particles",
+        )
+    if job.view_factors is not None:
+        effort = f"{job.view_factors.rays} rays" if job.view_factors.rays else (
+            f"a standard error of {job.view_factors.tolerance or 1e-3:g}")  # fmt: skip
+        wanted["view_factors"] = (
+            {"layers": layers, "seed": job.seed, **job.view_factors.model_dump(mode="json")},
+            ("packing",),
+            f"view factors from the wall to {job.layers.count} layers, to {effort}",
+        )
+    if job.convergence is not None:
+        wanted["convergence"] = (
+            {"layers": layers, "seed": job.seed, **job.convergence.model_dump(mode="json")},
+            ("packing",),
+            f"error of the view factors against run time, reference of {job.convergence.reference_rays} rays",
+        )
+    if job.prediction is not None:
+        wanted["prediction"] = (
+            job.prediction.model_dump(mode="json"),
+            ("packing", "statistics", "view_factors"),
+            "heat transfer against wall temperature by the two-layer model",
+        )
+    return wanted
+
+
+def _digest(name: str, parameters: dict[str, Any], upstream: list[str]) -> str:
+    content = json.dumps([name, __version__, parameters, upstream], sort_keys=True)
+    return hashlib.sha256(content.encode()).hexdigest()
+
+
+def _input_digests(job: Job) -> dict[str, str]:
+    if job.packing is None or job.packing.file is None:
+        return {}
+    return {str(job.packing.file.path): _sha256(job.packing.file.path)}
+
+
+def _sha256(path: Path) -> str:
+    try:
+        with path.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except OSError as error:
+        raise BadFileError(f"{path}: cannot be read: {error.strerror or error}") from None

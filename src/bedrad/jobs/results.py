@@ -1,0 +1,192 @@
+"""The results file: HDF5, a group a stage, written whole or not at all."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from bedrad import __version__
+from bedrad.atomic import atomic_path
+from bedrad.errors import BadFileError
+from bedrad.jobs.fields import Field
+
+__all__ = ["SCHEMA_VERSION", "Results", "StageData", "save_fields", "save_record"]
+
+SCHEMA_VERSION = 1
+
+StageData = dict[str, Any]
+"""A stage as it stands in the file: names to arrays, floats, texts, or to such mappings again."""
+
+
+def save_fields(group: h5py.Group, values: Mapping[str, Any] | object, fields: Mapping[str, Field]) -> None:
+    """Write the named fields of a record, each with its units and long name, and its ``<name>_error`` if there is one.
+
+    Parameters
+    ----------
+    group : h5py.Group
+        Receives a dataset a field.
+    values : mapping or object
+        What holds the fields, as items or attributes.
+    fields : mapping
+        Names to units and long names.
+    """
+
+    def value_of(name: str) -> Any:
+        return values.get(name) if isinstance(values, Mapping) else getattr(values, name, None)
+
+    for name, (units, long_name) in fields.items():
+        for key, text in ((name, long_name), (f"{name}_error", f"standard error: {long_name}")):
+            value = value_of(key)
+            if value is None or key in group:
+                continue
+            dataset = group.create_dataset(key, data=value)
+            dataset.attrs["units"] = units
+            dataset.attrs["long_name"] = text
+
+
+def save_record(path: Path, stage: str, record: object, fields: Mapping[str, Field]) -> None:
+    """Write one record to an HDF5 file of its own, in a group of the stage's name.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written; an older one is then as it was.
+    """
+    buffer = io.BytesIO()
+    with h5py.File(buffer, "w") as new:
+        save_fields(new.create_group(stage), record, fields)
+        _stamp(new)
+    with atomic_path(path) as temporary:
+        temporary.write_bytes(buffer.getbuffer())
+
+
+def _stamp(file: h5py.File) -> None:
+    file.attrs["schema_version"] = SCHEMA_VERSION
+    file.attrs["bedrad_version"] = __version__
+    file.attrs["created"] = datetime.now(UTC).isoformat(timespec="seconds")
+
+
+@dataclass(frozen=True)
+class Results:
+    """A results file on disk.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    """
+
+    path: Path
+
+    def digests(self) -> dict[str, str]:
+        """Digest of what went into each finished stage; empty where there is no file yet.
+
+        Raises
+        ------
+        BadFileError
+            If the file is not a bedrad results file, so that writing over it would destroy something else.
+        """
+        if not self.path.exists():
+            return {}
+        with self._open() as file:
+            return {name: str(group.attrs["digest"]) for name, group in file.items() if "digest" in group.attrs}
+
+    def read(self, stage: str) -> StageData:
+        """Everything a finished stage holds.
+
+        Raises
+        ------
+        BadFileError
+            If there is no such stage in the file.
+        """
+        with self._open() as file:
+            if stage not in file:
+                raise BadFileError(f"{self.path}: no stage {stage!r}; it holds {', '.join(file) or 'none'}")
+            return _read_group(file[stage])
+
+    def attributes(self) -> dict[str, Any]:
+        """Attributes of the whole file: version, time, job, inputs."""
+        with self._open() as file:
+            return dict(file.attrs)
+
+    def write_stage(
+        self,
+        stage: str,
+        digest: str,
+        fill: Callable[[h5py.Group], None],
+        *,
+        keep: Iterable[str],
+        attributes: Mapping[str, str],
+    ) -> None:
+        """Add a finished stage: a new file with the stages to keep and this one takes the place of the old.
+
+        Parameters
+        ----------
+        stage, digest : str
+            Name of the stage and digest of all that went into it.
+        fill : callable
+            Writes the stage into the group it is given.
+        keep : iterable of str
+            Stages of the old file that are still right.
+        attributes : mapping
+            Attributes of the whole file.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written; the old one is then as it was.
+        """
+        buffer = io.BytesIO()
+        with h5py.File(buffer, "w") as new:
+            if self.path.exists():
+                with self._open() as old:
+                    for name in keep:
+                        if name in old and name != stage:
+                            old.copy(name, new)
+            group = new.create_group(stage)
+            group.attrs["digest"] = digest
+            fill(group)
+            _stamp(new)
+            new.attrs.update(attributes)
+        with atomic_path(self.path) as temporary:
+            temporary.write_bytes(buffer.getbuffer())
+
+    def _open(self) -> h5py.File:
+        try:
+            file = h5py.File(self.path, "r")
+        except OSError as error:
+            raise BadFileError(f"{self.path}: not a bedrad results file ({error})") from None
+        if file.attrs.get("schema_version") != SCHEMA_VERSION or "job" not in file.attrs:
+            version = file.attrs.get("schema_version")
+            file.close()
+            raise BadFileError(
+                f"{self.path}: not a bedrad results file of schema version {SCHEMA_VERSION} (it has {version!r}); "
+                "name another results file, or remove this one"
+            )
+        return file
+
+
+def _read_group(group: h5py.Group) -> StageData:
+    data: StageData = {}
+    for name, value in group.attrs.items():
+        data[name] = value.item() if isinstance(value, np.generic) else value
+    for name, item in group.items():
+        data[name] = _read_group(item) if isinstance(item, h5py.Group) else _plain(item[()])
+    return data
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, bytes):
+        return value.decode()
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, np.ndarray) and value.dtype == object:
+        return np.array([v.decode() if isinstance(v, bytes) else v for v in value])
+    return value
