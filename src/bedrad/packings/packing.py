@@ -155,7 +155,8 @@ class Packing:
                 if high - low <= 2 * cut:
                     raise ValueError(
                         f"the bed is {high - low:.6g} m long in {'xyz'[axis]}; leaving out {margin:g} mean "
-                        f"diameters ({cut:.6g} m) at each end leaves nothing to measure: give a taller bed or a smaller margin"
+                        f"diameters ({cut:.6g} m) at each end leaves nothing to measure: give a taller bed or a "
+                        "smaller margin"
                     )
                 low, high = low + cut, high - cut
             ranges.append((low, high))
