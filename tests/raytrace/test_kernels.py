@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import bedrad
-from bedrad.raytrace.kernels import first_hit, sphere_distance, start_ray, trace, turn
+from bedrad.raytrace.kernels import first_hit, sphere_distances, start_ray, trace, turn
 from bedrad.raytrace.scene import build_scene
 from bedrad.walls import Window
 from oracles.beds import random_bed
@@ -34,6 +34,12 @@ def _scene(kind, periodic, count=60):
     return build_scene(bed, edges, window, reach), window
 
 
+def distance_to(ox, oy, oz, dx, dy, dz, cx, cy, cz, radius):
+    found = np.empty(1)
+    sphere_distances(ox, oy, oz, dx, dy, dz, np.array([[cx], [cy], [cz], [radius**2]]), 0, 1, found)
+    return found[0]
+
+
 def _shifts(bed):
     reach = 4 if bed.wall.kind == "plate" else 7
     spans = [np.arange(-reach, reach + 1) * b if b else np.zeros(1) for b in bed.box]
@@ -42,7 +48,8 @@ def _shifts(bed):
 
 def _grid(scene):
     box = np.array(scene.packing.box)
-    return scene.low, scene.size, scene.cells, box, scene.starts, scene.members, scene.spheres
+    room = np.empty(scene.most_in_a_cell)
+    return scene.low, scene.size, scene.cells, box, scene.starts, scene.columns, room
 
 
 def _ends(bed):
@@ -61,7 +68,7 @@ def test_every_ray_ends_where_brute_force_says(kind, periodic):
     points = np.random.default_rng(11).random((300, 4))
     points[:, 2] *= 0.9  # rays within 18 degrees of grazing would need more images than the oracle tries
     number = {"tube": 0, "rod": 1, "plate": 2}[kind]
-    rays = np.array([start_ray(u, number, wall_radius, *emitting) for u in points])
+    rays = np.array([start_ray(*u, number, wall_radius, *emitting) for u in points])
     origins, directions = rays[:, :3], rays[:, 3:6]
     hits = first_hits(origins, directions, bed.centers, bed.radii, _shifts(bed))
     expected = fates(bed.wall, origins, directions, hits, scene.edges, _ends(bed))
@@ -104,7 +111,7 @@ def test_shares_agree_with_an_independent_sampler():
 )
 def test_sphere_distance_keeps_its_digits_far_away(distance, offset, radius):
     """Against 40-digit arithmetic; the error grows with the rounding of the inputs' distance, not with its square."""
-    found = sphere_distance(0.0, 0.0, 0.0, 0.0, 0.0, 1.0, offset, 0.0, distance, radius)
+    found = distance_to(0.0, 0.0, 0.0, 0.0, 0.0, 1.0, offset, 0.0, distance, radius)
     with mpmath.workdps(40):
         square = mpmath.mpf(radius) ** 2 - mpmath.mpf(offset) ** 2
         if square <= 0:
@@ -121,11 +128,11 @@ def test_sphere_distance_keeps_its_digits_far_away(distance, offset, radius):
 
 
 def test_a_ray_from_inside_a_sphere_ends_at_once():
-    assert sphere_distance(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.3, 0.2, 0.0, 1.0) == 0.0
+    assert distance_to(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.3, 0.2, 0.0, 1.0) == 0.0
 
 
 def test_a_sphere_behind_is_not_met():
-    assert sphere_distance(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -3.0, 0.0, 0.0, 1.0) == np.inf
+    assert distance_to(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -3.0, 0.0, 0.0, 1.0) == np.inf
 
 
 @settings(max_examples=300, deadline=None)
@@ -145,7 +152,7 @@ def test_rays_start_on_the_wall_and_follow_the_cosine_law(kind):
     Mean of 20,000 rays; standard deviations sqrt(1/18) and sqrt(1/12): limits of 5 standard errors, false alarm 1e-6.
     """
     rng = np.random.default_rng(2)
-    rays = np.array([start_ray(u, kind, 3.0, -1.0, 2.0, 5.0, 4.0) for u in rng.random((20_000, 4))])
+    rays = np.array([start_ray(*u, kind, 3.0, -1.0, 2.0, 5.0, 4.0) for u in rng.random((20_000, 4))])
     o, d, cosine = rays[:, :3], rays[:, 3:6], rays[:, 6]
     wall = (bedrad.Tube(3.0), bedrad.Rod(3.0), bedrad.Plate())[kind]
     np.testing.assert_allclose(wall.depth(o), 0.0, atol=1e-15 * 3)
@@ -158,6 +165,12 @@ def test_rays_start_on_the_wall_and_follow_the_cosine_law(kind):
     assert axial.max() <= 1.0
 
 
+def bed_with_images(scene):
+    bed = scene.packing
+    images = [bed.centers + np.array([0.0, 0.0, k * bed.period]) for k in (-1, 0, 1)]
+    return np.column_stack([np.concatenate(images), np.tile(bed.radii, 3)])
+
+
 def test_cells_hold_every_sphere_that_reaches_into_them():
     scene, _ = _scene("tube", periodic=True)
     rng = np.random.default_rng(0)
@@ -165,10 +178,11 @@ def test_cells_hold_every_sphere_that_reaches_into_them():
     cell = ((points - scene.low) / scene.size).astype(int)
     index = (cell[:, 0] * scene.cells[1] + cell[:, 1]) * scene.cells[2] + cell[:, 2]
     inside = 0
+    spheres = bed_with_images(scene)
     for p, k in zip(points, index, strict=True):
-        holds = set(scene.members[scene.starts[k] : scene.starts[k + 1]].tolist())
-        around = np.linalg.norm(scene.spheres[:, :3] - p, axis=1) < scene.spheres[:, 3]
-        assert set(np.flatnonzero(around).tolist()) <= holds
+        holds = set(map(tuple, scene.columns[:3, scene.starts[k] : scene.starts[k + 1]].T.tolist()))
+        around = np.linalg.norm(spheres[:, :3] - p, axis=1) < spheres[:, 3]
+        assert set(map(tuple, spheres[around, :3].tolist())) <= holds
         inside += around.any()
     assert inside > 100
 

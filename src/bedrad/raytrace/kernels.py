@@ -18,11 +18,14 @@ __all__ = [
     "ROD",
     "TUBE",
     "first_hit",
-    "sphere_distance",
+    "sphere_distances",
     "start_ray",
     "trace",
     "turn",
 ]
+
+OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
+"""How the kernels are compiled; "contract" allows fused multiply-add, nothing that changes the order of sums."""
 
 TUBE, ROD, PLATE = 0, 1, 2
 
@@ -33,23 +36,35 @@ ESCAPED = -1.0
 """Distance returned by `first_hit` when the ray left through an open end of the bed."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def sphere_distance(ox, oy, oz, dx, dy, dz, cx, cy, cz, radius):
-    """Distance along a ray of unit direction to a sphere: 0 from inside it, infinite where it is missed.
+@njit(**(OPTIONS | {"fastmath": {"contract", "nnan", "nsz"}}))
+def sphere_distances(ox, oy, oz, dx, dy, dz, columns, first, count, distances):
+    """Distances along a ray to a run of spheres: 0 from inside one, infinite where it is missed.
 
     The half chord comes from the distance between centre and ray, not from the difference of two squares of the
-    distance to the centre, so that far spheres lose no digits.
+    distance to the centre, so that far spheres lose no digits. There is no branch, so that the compiler tests several
+    spheres at a time; it may take every number as one (none is nan) and ignore the sign of zero to do so.
+
+    Parameters
+    ----------
+    ox, oy, oz, dx, dy, dz : float
+        Origin and unit direction.
+    columns : (4, n) array
+        Centres and squared radii.
+    first, count : int
+        The run of spheres to test.
+    distances : (m,) array
+        Filled with `count` distances.
     """
-    x, y, z = cx - ox, cy - oy, cz - oz
-    along = x * dx + y * dy + z * dz
-    px, py, pz = x - along * dx, y - along * dy, z - along * dz
-    square = radius * radius - (px * px + py * py + pz * pz)
-    half = math.sqrt(max(square, 0.0))
-    # both alternatives are computed and one is selected: a branch here would be mispredicted every other time
-    return max(along - half, 0.0) if (square > 0.0) & (along + half > 0.0) else math.inf
+    for k in range(count):
+        x, y, z = columns[0, first + k] - ox, columns[1, first + k] - oy, columns[2, first + k] - oz
+        along = x * dx + y * dy + z * dz
+        px, py, pz = x - along * dx, y - along * dy, z - along * dz
+        square = columns[3, first + k] - (px * px + py * py + pz * pz)
+        half = math.sqrt(max(square, 0.0))
+        distances[k] = max(along - half, 0.0) if (square > 0.0) & (along + half > 0.0) else math.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@njit(inline="always", **OPTIONS)
 def _axis_walk(o, d, low, size, cells):
     """Start of a cell walk along one axis: cell number, step, distance to the next face, distance between faces."""
     # a direction of exactly zero would give 0 * inf; so small a one never reaches a face either
@@ -59,8 +74,8 @@ def _axis_walk(o, d, low, size, cells):
     return cell, 2 * up - 1, (low + (cell + up) * size - o) * inverse, size * abs(inverse)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def first_hit(ox, oy, oz, dx, dy, dz, limit, low, size, cells, period, starts, members, spheres):  # noqa: C901 - three axes, each stepped in place
+@njit(inline="always", **OPTIONS)
+def first_hit(ox, oy, oz, dx, dy, dz, limit, low, size, cells, period, starts, columns, distances):  # noqa: C901 - three axes, each stepped in place
     """Distance to the first sphere on a ray, by a walk through the cells of a grid.
 
     Parameters
@@ -72,11 +87,11 @@ def first_hit(ox, oy, oz, dx, dy, dz, limit, low, size, cells, period, starts, m
     low, size, cells, period : (3,) arrays
         Lower corner, cell size, number of cells and period (0: open) of the grid along each axis.
     starts : (cells + 1,) array
-        Where the list of each cell begins in `members`.
-    members : (m,) array
-        Sphere numbers, cell by cell.
-    spheres : (n, 4) array
-        Centres and radii, images across the period included.
+        Where the spheres of each cell begin in `columns`.
+    columns : (4, m) array
+        Centres and squared radii of the spheres of each cell, cell by cell.
+    distances : (k,) array
+        Room for the distances to the spheres of one cell.
 
     Returns
     -------
@@ -90,10 +105,11 @@ def first_hit(ox, oy, oz, dx, dy, dz, limit, low, size, cells, period, starts, m
     best = math.inf
     while True:
         cell = np.uint64((ix * ny + iy) * nz + iz)
-        for k in range(starts[cell], starts[cell + np.uint64(1)]):
-            s = np.uint32(members[k])
-            t = sphere_distance(ox, oy, oz, dx, dy, dz, spheres[s, 0], spheres[s, 1], spheres[s, 2], spheres[s, 3])
-            best = min(best, t)
+        first = np.uint64(starts[cell])
+        count = np.uint64(starts[cell + np.uint64(1)]) - first
+        sphere_distances(ox, oy, oz, dx, dy, dz, columns, first, count, distances)
+        for k in range(count):
+            best = min(best, distances[k])
         leave = min(tx, min(ty, tz))
         if best <= leave:
             return best if best < limit else LIMIT
@@ -126,7 +142,7 @@ def first_hit(ox, oy, oz, dx, dy, dz, limit, low, size, cells, period, starts, m
                 oz -= sz * period[2]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@njit(inline="always", **OPTIONS)
 def turn(u):
     """Cosine and sine of u full turns, 0 <= u <= 1, to two roundings.
 
@@ -146,13 +162,13 @@ def turn(u):
     return -cosine if ((q + 1) & 2) == 2 else cosine, -sine if (q & 2) == 2 else sine
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def start_ray(u, kind, wall_radius, axial_low, axial_length, lateral_low, lateral_length):
+@njit(inline="always", **OPTIONS)
+def start_ray(u0, u1, u2, u3, kind, wall_radius, axial_low, axial_length, lateral_low, lateral_length):
     """Origin on the wall and direction by the cosine law, from a point of the unit hypercube.
 
     Parameters
     ----------
-    u : (4,) array
+    u0, u1, u2, u3 : float
         Axial position, position around (or lateral), square of the sine of the polar angle, azimuth of the direction.
     kind : int
         `TUBE`, `ROD` or `PLATE`.
@@ -164,20 +180,20 @@ def start_ray(u, kind, wall_radius, axial_low, axial_length, lateral_low, latera
     ox, oy, oz, dx, dy, dz, cosine : float
         Origin, unit direction and cosine of the angle to the wall's normal.
     """
-    cosine = math.sqrt(1.0 - u[2])
-    sine = math.sqrt(u[2])
-    across, along = turn(u[3])
+    cosine = math.sqrt(1.0 - u2)
+    sine = math.sqrt(u2)
+    across, along = turn(u3)
     across, along = sine * across, sine * along
-    axial = axial_low + axial_length * u[0]
+    axial = axial_low + axial_length * u0
     if kind == PLATE:
-        return axial, lateral_low + lateral_length * u[1], 0.0, along, across, cosine, cosine
-    ex, ey = turn(u[1])
+        return axial, lateral_low + lateral_length * u1, 0.0, along, across, cosine, cosine
+    ex, ey = turn(u1)
     inward = -cosine if kind == TUBE else cosine
     dx, dy = inward * ex - across * ey, inward * ey + across * ex
     return wall_radius * ex, wall_radius * ey, axial, dx, dy, along, cosine
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@njit(inline="always", **OPTIONS)
 def _far_limit(kind, wall_radius, reach, dx, dy, cosine):
     """Distances at which a ray ends: at the far wall of a tube, and where it first gets deeper than `reach`."""
     if kind == PLATE:
@@ -200,7 +216,7 @@ def _far_limit(kind, wall_radius, reach, dx, dy, cosine):
     return wall, c / (b + math.sqrt(square))
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@njit(inline="always", **OPTIONS)
 def _layer(kind, wall_radius, edges, x, y, z):
     """Number of the layer that holds a point: the first whose outer edge is not exceeded, len(edges) - 1 beyond."""
     if kind == PLATE:
@@ -215,7 +231,7 @@ def _layer(kind, wall_radius, edges, x, y, z):
     return layer
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@njit(**OPTIONS)
 def trace(
     points,
     kind,
@@ -228,8 +244,8 @@ def trace(
     cells,
     period,
     starts,
-    members,
-    spheres,
+    columns,
+    distances,
     counts,
     unsettled,
 ):
@@ -249,7 +265,7 @@ def trace(
         Depths that part the layers.
     reach : float
         Depth down to which the grid is complete.
-    low, size, cells, period, starts, members, spheres
+    low, size, cells, period, starts, columns, distances
         The grid, see `first_hit`.
     counts : (blocks, layers + 3) array
         Number of rays by axial block of their origin and by fate: the layers, beyond the last, back to the wall,
@@ -266,10 +282,12 @@ def trace(
     blocks = counts.shape[0]
     left = 0
     for i in range(points.shape[0]):
-        u = points[i]
-        ox, oy, oz, dx, dy, dz, cosine = start_ray(u, kind, wall_radius, window[0], window[1], window[2], window[3])
+        u0, u1, u2, u3 = points[i, 0], points[i, 1], points[i, 2], points[i, 3]
+        ox, oy, oz, dx, dy, dz, cosine = start_ray(
+            u0, u1, u2, u3, kind, wall_radius, window[0], window[1], window[2], window[3]
+        )
         wall, deep = _far_limit(kind, wall_radius, reach, dx, dy, cosine)
-        t = first_hit(ox, oy, oz, dx, dy, dz, min(wall, deep), low, size, cells, period, starts, members, spheres)
+        t = first_hit(ox, oy, oz, dx, dy, dz, min(wall, deep), low, size, cells, period, starts, columns, distances)
         if t == ESCAPED:
             fate = layers + 2
         elif t < LIMIT:
@@ -282,11 +300,11 @@ def trace(
             continue
         else:
             fate = layers
-        counts[min(int(u[0] * blocks), blocks - 1), fate] += 1
+        counts[min(int(u0 * blocks), blocks - 1), fate] += 1
     return left
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@njit(**OPTIONS)
 def _touches(cx, cy, cz, radius, x0, y0, z0, hx, hy, hz):
     """Whether a sphere reaches into a cell (lower corner, size)."""
     x = max(x0 - cx, 0.0, cx - x0 - hx)
@@ -295,7 +313,7 @@ def _touches(cx, cy, cz, radius, x0, y0, z0, hx, hy, hz):
     return x * x + y * y + z * z <= radius * radius * (1.0 + 1e-12)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@njit(**OPTIONS)
 def fill_cells(spheres, low, size, cells, starts, members):
     """List the spheres that reach into each cell.
 

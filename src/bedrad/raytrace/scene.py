@@ -16,7 +16,7 @@ __all__ = ["Scene", "build_scene"]
 
 FloatArray = NDArray[np.float64]
 
-SPHERES_PER_CELL = 0.5
+SPHERES_PER_CELL = 8.0
 """Mean number of spheres a cell, counted by centres, that the grid aims for."""
 
 MOST_CELLS_PER_SPHERE = 8.0
@@ -44,10 +44,11 @@ class Scene:
         Lower corner of the grid and size of a cell. [m]
     cells : (3,) array
         Number of cells along each axis.
-    starts, members : arrays
-        Spheres of each cell, in the compressed row layout.
-    spheres : (n, 4) array
-        Centres and radii, images across periodic faces included. [m]
+    starts : (cells + 1,) array
+        Where the spheres of each cell begin in `columns`.
+    columns : (4, m) array
+        Centres [m] and squared radii [m2] of the spheres of each cell, cell by cell, so that a ray reads one run of
+        memory a cell; images across periodic faces included.
     reached : int
         Number of the packing's spheres that are in the grid.
     """
@@ -60,8 +61,7 @@ class Scene:
     size: FloatArray
     cells: NDArray[np.int64]
     starts: NDArray[np.int64]
-    members: NDArray[np.int32]
-    spheres: FloatArray
+    columns: FloatArray
     reached: int
 
     @property
@@ -70,9 +70,14 @@ class Scene:
         return len(self.packing) - self.reached
 
     @property
+    def most_in_a_cell(self) -> int:
+        """Largest number of spheres of one cell."""
+        return int(np.diff(self.starts).max())
+
+    @property
     def memory(self) -> int:
         """Size of the grid. [bytes]"""
-        return int(self.starts.nbytes + self.members.nbytes + self.spheres.nbytes)
+        return int(self.starts.nbytes + self.columns.nbytes)
 
 
 def build_scene(packing: Packing, edges: FloatArray, window: Window, reach: float) -> Scene:
@@ -109,7 +114,9 @@ def build_scene(packing: Packing, edges: FloatArray, window: Window, reach: floa
         fill_cells(spheres, low, size, cells, starts, members)
         starts[1:] = starts[:-1].copy()
         starts[0] = 0
-    return Scene(packing, edges, window, reach, low, size, cells, starts, members, spheres, int(near.sum()))
+    columns = np.ascontiguousarray(spheres[members].T)
+    columns[3] **= 2
+    return Scene(packing, edges, window, reach, low, size, cells, starts, columns, int(near.sum()))
 
 
 def _bounds(packing: Packing, window: Window, reach: float) -> tuple[FloatArray, FloatArray]:

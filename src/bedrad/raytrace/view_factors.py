@@ -206,7 +206,7 @@ class _Tracer:
             trace(
                 points, self.kind, self.wall_radius, self.window, self.edges, scene.reach,
                 scene.low, scene.size, scene.cells, np.array(self.packing.box),
-                scene.starts, scene.members, scene.spheres, counts, unsettled,
+                scene.starts, scene.columns, np.empty(scene.most_in_a_cell), counts, unsettled,
             )
         )  # fmt: skip
 
