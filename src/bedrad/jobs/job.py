@@ -61,7 +61,7 @@ class SettleSection(_Section):
     density: Annotated[Density, Field(gt=0)] = 3800.0
     friction: NotNegative = 0.4
     wall_friction: NotNegative | None = None
-    restitution: Annotated[float, Field(gt=0, le=1)] = 0.85
+    restitution: Annotated[float, Field(gt=0, lt=1)] = 0.85
     stiffness: Annotated[Stiffness, Field(gt=0)] | None = None
     ranks: PositiveInt = 1
 

@@ -12,7 +12,8 @@ from pydantic import BeforeValidator
 
 __all__ = ["Conductivity", "Density", "Length", "Stiffness", "Temperature", "Velocity", "quantity"]
 
-_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-zµ°][A-Za-z0-9µ°/^*() -]*)")
+_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-zµμ°][A-Za-z0-9µμ°/^*() -]*)")
+_POWER = re.compile(r"(?<=[A-Za-z)])(?:\^|\*\*)-?[1-9](?![0-9])")
 
 _EXAMPLES = {
     "m": "600 um",
@@ -51,8 +52,13 @@ def quantity(text: object, unit: str) -> float:
     number, given = match[1], match[2].strip()
     registry = _registry()
     # W/(m K): a blank between units means a product
-    written = re.sub(r"(?<=[A-Za-z0-9)])\s+(?=[A-Za-z(])", " * ", given.replace("µ", "u").replace("°C", "degC"))
+    written = re.sub(
+        r"(?<=[A-Za-z0-9)])\s+(?=[A-Za-z(])", " * ", re.sub("[µμ]", "u", given).replace("°C", "degC")
+    )
     try:
+        # pint works out numbers too: a tower of powers such as 9^9^9 would never end
+        if re.search("[0-9]", _POWER.sub("", written)):
+            raise ValueError
         value = float(registry.Quantity(float(number), written).to(unit.replace(" ", " * ")).magnitude)
     except pint.DimensionalityError:
         raise ValueError(f"{text!r} has the wrong kind of unit; {expected}") from None
