@@ -90,7 +90,7 @@ def convergence(
     edges : (layers + 1,) array, optional
         Depths that part the layers. [m]
     rays : int
-        Number of rays of the longest run; the others have half, a quarter, and so on down to 1024 (32 a scrambling).
+        Number of rays of the longest run; the others have half, a quarter, and so on down to 8192 (256 a scrambling).
     reference_rays : int
         Number of rays of the independent reference.
     seeds : int
@@ -114,7 +114,7 @@ def convergence(
     if seeds < 2:
         raise ValueError(f"seeds is {seeds}; expected at least 2")
     begin = time.perf_counter()
-    steps = [n for n in (rays >> k for k in range(64)) if n >= 32 * SCRAMBLINGS][::-1] or [rays]
+    steps = [n for n in (rays >> k for k in range(64)) if n >= 256 * SCRAMBLINGS][::-1] or [rays]
     work = reference_rays + seeds * sum(steps)
     done = 0
 

@@ -34,8 +34,10 @@ class LeftOut:
     reach: float
 
     def __str__(self) -> str:
-        text = f"{self.spheres:,} spheres that no ray reached"
-        return text + (f"; {self.deep_rays:,} rays followed through the whole bed" if self.deep_rays else "")
+        parts = [f"{self.spheres:,} spheres that no ray reached"] if self.spheres else ["nothing"]
+        if self.deep_rays:
+            parts.append(f"{self.deep_rays:,} rays followed through the whole bed")
+        return "; ".join(parts)
 
 
 @dataclass(frozen=True)
