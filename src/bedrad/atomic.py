@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import errno
-import io
 import os
 import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-import h5py
-
-__all__ = ["atomic_hdf5", "atomic_path"]
+__all__ = ["atomic_path"]
 
 _DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS, errno.EACCES, errno.EPERM)
 
@@ -32,7 +29,8 @@ def atomic_path(target: str | os.PathLike[str]) -> Iterator[Path]:
     Yields
     ------
     pathlib.Path
-        An empty file in the same folder, to be written or overwritten.
+        An empty file in the same folder, to be written or overwritten. Build HDF5 in memory and write its bytes:
+        where a disk is full, HDF5 crashes the process.
 
     Raises
     ------
@@ -59,37 +57,6 @@ def atomic_path(target: str | os.PathLike[str]) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             temporary.unlink(missing_ok=True)
-
-
-@contextmanager
-def atomic_hdf5(target: str | os.PathLike[str], *, keep: bool = False) -> Iterator[h5py.File]:
-    """Yield an HDF5 file that becomes `target` when the block ends without an error, as `atomic_path` does.
-
-    The file is built in memory: HDF5 itself crashes the process where a disk is full.
-
-    Parameters
-    ----------
-    target : path
-        The file to write.
-    keep : bool
-        Start from what `target` holds already, if it exists, instead of from nothing.
-
-    Yields
-    ------
-    h5py.File
-        The file, open for writing.
-
-    Raises
-    ------
-    OSError
-        As for `atomic_path`, or if `target` is kept and is no HDF5 file.
-    """
-    with atomic_path(target) as temporary:
-        kept = keep and Path(target).exists()
-        buffer = io.BytesIO(Path(target).read_bytes() if kept else b"")
-        with h5py.File(buffer, "r+" if kept else "w") as file:
-            yield file
-        temporary.write_bytes(buffer.getbuffer())
 
 
 def _reserve(final: Path) -> Path:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -99,6 +100,17 @@ class Packing:
             ("max_overlap", float(max_overlap)),
         ):
             object.__setattr__(self, name, value)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # a mapping proxy cannot be pickled; a copy in another process is checked and immutable again
+        return Packing, (
+            self.centers,
+            self.radii,
+            self.wall,
+            self.period,
+            dict(self.provenance),
+            self.max_overlap,
+        )
 
     def __len__(self) -> int:
         return len(self.radii)
