@@ -1,24 +1,41 @@
 """How much settled beds differ: the demo's bed for several seeds, statistics and view factors beside each other.
 
-    python benchmarks/settled_beds.py [SEEDS]      # needs the extra dem; half a minute a seed, beds are kept in results/
+    python benchmarks/settled_beds.py [--seeds N] [--legacy-wall]
+
+Needs the extra dem; half a minute a seed, beds are kept in results/. With --legacy-wall the same columns fall in a tube
+whose wall is LAMMPS's hooke/history, which up to the release of 22 July 2025 (update 4) has no static friction.
 """
 
 from __future__ import annotations
 
-import sys
+import argparse
+import re
 from pathlib import Path
 
 import numpy as np
 
 import bedrad
+from bedrad.packings import settle as settling
+from bedrad.packings import settle_plan
 
 COLUMNS = ("height/d", "phi", "phi_wa", "n_C/max", "NC share", "a mean", "F_w1", "F_w2", "F_w3", "beyond", "F_ww")
 
 
-def row(seed: int) -> list[float]:
-    kept = Path(f"results/settled_{seed}.h5")
+def legacy_script(plan: settle_plan.SettlePlan) -> str:
+    normal, tangential = plan.stiffness, settle_plan.TANGENTIAL_SHARE * plan.stiffness
+    rate = settle_plan.damping_rate(normal, settle_plan.sphere_mass(plan.smallest, plan.density), plan.restitution)
+    wall = f"hooke/history {normal!r} {tangential!r} {rate!r} {rate / 2!r} {plan.wall_friction!r} 1 region"
+    script, changed = re.subn(r"granular hooke .*? region", wall, settle_plan.settle_script(plan))
+    if changed != 1:
+        raise RuntimeError("the settling script has another wall than this benchmark knows")
+    return script
+
+
+def row(seed: int, legacy: bool) -> list[float]:
+    kept = Path(f"results/settled_{'legacy_' if legacy else ''}{seed}.h5")
     if not kept.exists():
         kept.parent.mkdir(exist_ok=True)
+        settling.settle_script = legacy_script if legacy else settle_plan.settle_script
         bedrad.write(bedrad.settle(bedrad.Tube(3.875e-3), 600e-6, 18e-3, seed=seed), kept)
     bed = bedrad.read(kept)
     s = bedrad.statistics(bed)
@@ -31,11 +48,14 @@ def row(seed: int) -> list[float]:
 
 
 def main() -> None:
-    seeds = range(1, 1 + int(sys.argv[1] if len(sys.argv) > 1 else 6))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seeds", type=int, default=6)
+    parser.add_argument("--legacy-wall", action="store_true")
+    arguments = parser.parse_args()
     print("seed " + "".join(f"{name:>10}" for name in COLUMNS))
     rows = []
-    for seed in seeds:
-        rows.append(row(seed))
+    for seed in range(1, 1 + arguments.seeds):
+        rows.append(row(seed, arguments.legacy_wall))
         print(f"{seed:>4} " + "".join(f"{x:>10.4f}" for x in rows[-1]), flush=True)
     print("mean " + "".join(f"{x:>10.4f}" for x in np.mean(rows, axis=0)))
     print("s.d. " + "".join(f"{x:>10.4f}" for x in np.std(rows, axis=0, ddof=1)))
