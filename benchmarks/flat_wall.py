@@ -1,6 +1,6 @@
 """View factors of random beds on a flat wall: the floor of wide settled tubes, for three frictions.
 
-    python benchmarks/flat_wall.py            # needs the extra dem; a few minutes, beds are kept in results/
+python benchmarks/flat_wall.py            # needs the extra dem; a few minutes, beds are kept in results/
 """
 
 from __future__ import annotations
@@ -30,7 +30,9 @@ def main() -> None:
     # the square inside the tube's circle, less four diameters to the wall
     half = TUBE / 2 / np.sqrt(2) - 4 * DIAMETER
     window = Window((-half, half), (-half, half))
-    print("friction   n_C/max       phi_wa        F_w1 ± bed      F_w2 ± bed      F_w3 ± bed       beyond   (± rays 1e-4)")
+    print(
+        "friction   n_C/max       phi_wa        F_w1 ± bed      F_w2 ± bed      F_w3 ± bed       beyond   (± rays 1e-4)"
+    )
     for friction in FRICTIONS:
         bed = floor_bed(friction)
         f = bedrad.view_factors(bed, tolerance=1e-4, window=window)

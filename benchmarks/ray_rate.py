@@ -62,7 +62,9 @@ def main() -> None:
     ratio = sorted(p[1] / p[0] for p in pairs)
     print(f"{len(bed):,} spheres; {RAYS:,} rays, {RUNS} runs: lowest, median, highest")
     print("one core, million rays a second     " + "  ".join(f"{one[k] / 1e6:6.2f}" for k in (0, RUNS // 2, -1)))
-    print(f"{processors} cores over one                    " + "  ".join(f"{ratio[k]:6.2f}" for k in (0, RUNS // 2, -1)))
+    print(
+        f"{processors} cores over one                    " + "  ".join(f"{ratio[k]:6.2f}" for k in (0, RUNS // 2, -1))
+    )
     errors = {}
     for name, streams in (("Sobol", SobolStreams), ("random", RandomStreams)):
         tracer.SobolStreams = streams

@@ -1,6 +1,6 @@
 """The whole way from Python: settle a bed, cut it, measure it, trace it, and turn the numbers into heat.
 
-    python examples/python_interface.py
+python examples/python_interface.py
 """
 
 from __future__ import annotations

@@ -1,0 +1,70 @@
+"""The examples run, and give what they promise."""
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import bedrad
+from bedrad import heat
+from bedrad.jobs.job import parse_job
+from bedrad.jobs.pipeline import run_job
+
+EXAMPLES = Path(__file__).parent.parent / "examples"
+
+
+@pytest.mark.dem
+def test_hot_tube_as_a_shorter_and_coarser_job(tmp_path):
+    """The demo's job with a bed of 12 diameters and fewer rays; every stage, from settling to prediction."""
+    text = (EXAMPLES / "hot_tube.toml").read_text()
+    for old, new in (
+        ('height = "18 mm"', 'height = "7.2 mm"'),
+        ("tolerance = 1e-4", "tolerance = 1e-3"),
+        ("rays = 2097152", "rays = 32768"),
+        ("reference_rays = 67108864", "reference_rays = 1048576"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    with pytest.warns(heat.RangeWarning, match=r"Table 5\.2|12\.9"):
+        results = run_job(parse_job(text, EXAMPLES / "hot_tube.toml"), tmp_path / "hot_tube.h5")
+    assert set(results.digests()) == {"packing", "statistics", "view_factors", "convergence", "prediction"}
+    factors = results.read("view_factors")
+    assert factors["layers"].sum() + factors["beyond"] + factors["wall"] + factors["escaped"] == pytest.approx(
+        1, abs=1e-12
+    )
+    prediction = results.read("prediction")
+    cases = {"measured", "correlations", "configuration_2", "configuration_5", "configuration_6"}
+    assert cases <= set(prediction)
+    for name in cases:
+        case = prediction[name]
+        # hotter is better, and radiation only adds
+        assert (np.diff(case["heat_transfer_coefficient"]) > 0).all()
+        assert (case["heat_transfer_coefficient"] > case["heat_transfer_coefficient_without"]).all()
+    measured = prediction["measured"]
+    assert measured["packing_fraction"] == results.read("statistics")["packing_fraction"]
+    np.testing.assert_array_equal(measured["view_factors"], factors["layers"])
+
+
+@pytest.mark.dem
+def test_python_interface(capsys):
+    """The general form of k_wa is published to lie within 1 % of the exact cylinder (Watkins 2018, after eq. 42)."""
+    spec = importlib.util.spec_from_file_location("python_interface", EXAMPLES / "python_interface.py")
+    example = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(example)
+    packing, total = example.main()
+    assert "solid fraction" in capsys.readouterr().out
+    stats = bedrad.statistics(packing)
+    factors = bedrad.view_factors(packing, tolerance=1e-3, seed=0)
+    exact = heat.wall_layer.conductivity(
+        heat.gas.air_conductivity(example.WALL_TEMPERATURE),
+        2.1,
+        8.0,
+        600e-6,
+        stats.contacts_per_area,
+        stats.packing_fraction,
+        stats.nc_distance_closing,
+        form="cylinder",
+    )
+    radiative = heat.radiation.conductivity(factors.layers, 600e-6, example.WALL_TEMPERATURE)
+    assert total - radiative == pytest.approx(exact, rel=0.01)
