@@ -31,7 +31,7 @@ class RandomStreams(SobolStreams):
     def __len__(self) -> int:
         return len(self._generators)
 
-    def draw(self, stream: int, count: int):
+    def draw(self, stream: int, count: int):  # noqa: D102 - as its base
         while count > 0:
             batch = min(count, 2**13)
             yield self._generators[stream].random((batch, DIMENSIONS))

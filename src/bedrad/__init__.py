@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from bedrad.errors import EngineFailedError as EngineFailedError
     from bedrad.errors import MissingExtraError as MissingExtraError
     from bedrad.packings.files import read as read
+    from bedrad.packings.files import read_frames as read_frames
     from bedrad.packings.files import write as write
     from bedrad.packings.layers import layer_edges as layer_edges
     from bedrad.packings.packing import Packing as Packing
@@ -37,6 +38,7 @@ _HOME = {
     "Tube": "walls",
     "layer_edges": "packings.layers",
     "read": "packings.files",
+    "read_frames": "packings.files",
     "settle": "packings.settle",
     "statistics": "packings.statistics",
     "view_factors": "raytrace.view_factors",

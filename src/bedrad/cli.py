@@ -5,6 +5,7 @@ Every command loads what it needs when it runs, so that ``bedrad --help`` answer
 
 from __future__ import annotations
 
+import io
 import sys
 import warnings
 from collections.abc import Sequence
@@ -23,12 +24,17 @@ from bedrad.command_options import (
     IsPlate,
     Length,
     Output,
+    PerArea,
     RodDiameter,
+    Seed,
     Stiffness,
     Temperature,
     TubeDiameter,
     Velocity,
+    check_bed_output,
+    check_output,
     describe,
+    ended_like_ctrl_c,
     fail,
     list_files,
     parse_size,
@@ -36,7 +42,7 @@ from bedrad.command_options import (
     read_bed,
     save,
     say,
-    show_warning,
+    warning_printer,
 )
 from bedrad.errors import EngineFailedError, MissingExtraError
 
@@ -52,6 +58,8 @@ app = App(
     "1100 degC.",
     help_epilogue="Example:  bedrad run examples/hot_tube.toml -o results/hot_tube.h5\n\n"
     "Exit codes: 0 done, 1 the job failed (what was finished is kept), 2 the input is wrong, 130 interrupted.",
+    result_action="return_value",
+    suppress_keyboard_interrupt=False,
 )
 
 
@@ -66,7 +74,8 @@ def run(job_file: Path, /, *, output: Output = None, dry_run: DryRun = False) ->
     job_file
         The job, a TOML file.
     output
-        The results file (HDF5); the job's name with .h5 in this folder if not given. Tables and figures go beside it.
+        The results file (HDF5); the job file's name with .h5 in this folder if not given. Tables and figures go
+        beside it.
     dry_run
         Say what would run, what is left out, and why; run nothing.
     """
@@ -86,6 +95,12 @@ def run(job_file: Path, /, *, output: Output = None, dry_run: DryRun = False) ->
             say(f"{'left out':<9} {name:<13} {reason}")
         say(f"results   {path}")
         return
+    if job.output.figures:
+        # a missing library shows before the computing, not after
+        from bedrad.report.style import styled
+
+        with styled():
+            pass
     with progress_bars() as report:
         results = run_job(job, path, report)
     OUTPUT.print(summary(results))
@@ -107,7 +122,7 @@ def settle(
     height: Length,
     diameter: Length | None = None,
     size: Annotated[tuple[str, ...], Parameter(negative=())] = (),
-    seed: int = 0,
+    seed: Seed = 0,
     density: Density = 3800.0,
     friction: float = 0.4,
     wall_friction: float | None = None,
@@ -140,7 +155,7 @@ def settle(
     restitution
         Coefficient of restitution.
     stiffness
-        Stiffness of the softened contacts; 100 N/m for 0.6 mm, in proportion to the diameter, if not given.
+        Stiffness of the contacts; softened if not given, by a rule that --dry-run shows.
     ranks
         MPI ranks of LAMMPS.
     output
@@ -161,6 +176,7 @@ def settle(
     if dry_run:
         say(str(plan))
         return
+    check_bed_output(output)
     with progress_bars() as report:
         bed = bedrad.settle(
             wall,
@@ -223,16 +239,17 @@ def statistics(
         Read and check the packing and say what would be measured.
     """
     import bedrad
-    from bedrad.jobs.fields import STATISTICS
+    from bedrad.jobs.stages import fill_statistics
 
     bed = read_bed(file, tube, rod, plate, diameter, frame)
     edges = bedrad.layer_edges(bed, layers)
     if dry_run:
         describe(bed, edges, margin)
         return
+    check_output("statistics", output)
     found = bedrad.statistics(bed, edges, contact_gap, margin=margin)
     say(str(found))
-    save("statistics", found, STATISTICS, output)
+    save("statistics", lambda group: fill_statistics(group, found), file, output)
 
 
 @app.command(help_epilogue="Example:  bedrad view-factors bed.h5 --tolerance 1e-4\n\n"
@@ -250,7 +267,7 @@ def view_factors(
     margin: float = 4.0,
     tolerance: float | None = None,
     rays: int | None = None,
-    seed: int = 0,
+    seed: Seed = 0,
     threads: int | None = None,
     normalised: Literal["watkins"] | None = None,
     output: Output = None,
@@ -292,13 +309,14 @@ def view_factors(
         Read and check the packing and say what would be traced.
     """
     import bedrad
-    from bedrad.jobs.fields import VIEW_FACTORS
+    from bedrad.jobs.stages import fill_view_factors
 
     bed = read_bed(file, tube, rod, plate, diameter, frame)
     edges = bedrad.layer_edges(bed, layers)
     if dry_run:
         describe(bed, edges, margin)
         return
+    check_output("view_factors", output)
     with progress_bars() as report:
         found = bedrad.view_factors(
             bed, edges, tolerance, rays, seed, window=bed.window(margin), threads=threads,
@@ -307,7 +325,7 @@ def view_factors(
     if normalised is not None:
         found = found.normalised(normalised)
     say(str(found))
-    save("view_factors", found, VIEW_FACTORS, output)
+    save("view_factors", lambda group: fill_view_factors(group, found), file, output)
 
 
 @app.command(
@@ -322,10 +340,12 @@ def predict(
     temperature: Annotated[tuple[Temperature, ...], Parameter(negative=())],
     solid_conductivity: Conductivity = 2.1,
     packing_fraction: float | None = None,
-    contacts_per_area: Annotated[float | None, Parameter()] = None,
-    nc_distance: float = 0.22,
+    contacts_per_area: PerArea | None = None,
+    nc_distance: float | None = None,
     view_factor: Annotated[tuple[float, ...], Parameter(negative=())] = (),
     bulk: Literal["auto", "table 5.2", "zbs"] = "auto",
+    bulk_packing_fraction: float = 0.63,
+    emissivity: float = 0.8,
 ) -> None:
     """Predict the heat transfer of a dense flow in a hot tube by the two-layer model (Watkins 2018).
 
@@ -344,22 +364,33 @@ def predict(
     packing_fraction
         Measured solid fraction of the wall layer, in place of the correlation; with --contacts-per-area.
     contacts_per_area
-        Measured wall contacts per square metre, in place of the correlation; with --packing-fraction.
+        Measured wall contacts per wall area, such as "1.9 mm^-2", in place of the correlation; with --packing-fraction.
     nc_distance
-        Distance of the no-contact particles from the wall, in radii.
+        Measured distance of the no-contact particles from the wall, in radii, with the two above; 0.22 if not given.
     view_factor
         View factor to a layer, once for each layer from the wall; 0.80, 0.18, 0.02 if not given.
     bulk
         Bulk conductivity: the measured fits where there is one for the particles, or a model.
+    bulk_packing_fraction
+        Solid fraction of the bulk.
+    emissivity
+        Emissivity of the particles in the bulk; in the wall layer all surfaces are black.
     """
     from bedrad.heat import prediction
 
-    system = prediction.System(tube, diameter, velocity, solid_conductivity=solid_conductivity)
-    if (packing_fraction is None) != (contacts_per_area is None):
-        raise ValueError("give --packing-fraction and --contacts-per-area together")
+    system = prediction.System(
+        tube,
+        diameter,
+        velocity,
+        solid_conductivity=solid_conductivity,
+        porosity=1 - bulk_packing_fraction,
+        emissivity=emissivity,
+    )
     layer = None
     if packing_fraction is not None and contacts_per_area is not None:
-        layer = prediction.WallLayer(packing_fraction, contacts_per_area, nc_distance)
+        layer = prediction.WallLayer(packing_fraction, contacts_per_area, 0.22 if nc_distance is None else nc_distance)
+    elif (packing_fraction, contacts_per_area, nc_distance) != (None, None, None):
+        raise ValueError("give --packing-fraction and --contacts-per-area together, and --nc-distance with them only")
     factors = prediction.ViewFactors(view_factor) if view_factor else None  # type: ignore[arg-type]
     found = prediction.predict(system, list(temperature), layer, factors, bulk)
     say(str(found))
@@ -378,14 +409,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         Exit code: 0 done, 1 the job failed, 2 the input is wrong, 130 interrupted.
     """
+    for stream in (sys.stdout, sys.stderr):
+        # a terminal without "±" shows a question mark, not a traceback
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
     with warnings.catch_warnings():
-        warnings.showwarning = show_warning
+        warnings.showwarning = warning_printer()
         try:
-            app(sys.argv[1:] if arguments is None else arguments, exit_on_error=False, print_error=False)
+            with ended_like_ctrl_c():
+                app(sys.argv[1:] if arguments is None else arguments, exit_on_error=False, print_error=False)
         except (cyclopts.CycloptsError, ValueError) as error:
-            return fail(str(error), 2)
+            return fail(error, 2)
         except (EngineFailedError, MissingExtraError, OSError, MemoryError) as error:
-            return fail(str(error) or type(error).__name__, 1)
+            return fail(error, 1)
         except KeyboardInterrupt:
             return fail("interrupted; what was finished is kept", INTERRUPTED)
     return 0

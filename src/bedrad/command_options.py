@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import cyclopts
 from cyclopts import Group, Parameter
 from rich.console import Console
+from rich.text import Text
 
 if TYPE_CHECKING:
     from bedrad.packings.packing import Packing
@@ -25,7 +28,11 @@ def read_as(unit: str) -> Any:
     def convert(_: type, tokens: Sequence[cyclopts.Token]) -> float:
         from bedrad.jobs.units import quantity
 
-        return quantity(tokens[0].value, unit)
+        try:
+            return quantity(tokens[0].value, unit)
+        except ValueError as error:
+            # inside a tuple cyclopts would drop the reason of a plain ValueError
+            raise cyclopts.CoercionError(msg=Text(str(error)), token=tokens[0], target_type=float) from None
 
     return Parameter(converter=convert, show_default=False)
 
@@ -36,6 +43,8 @@ Temperature = Annotated[float, read_as("K")]
 Density = Annotated[float, read_as("kg/m^3")]
 Stiffness = Annotated[float, read_as("N/m")]
 Conductivity = Annotated[float, read_as("W/(m K)")]
+PerArea = Annotated[float, read_as("1/m^2")]
+Seed = Annotated[int, Parameter(validator=cyclopts.validators.Number(gte=0, lt=2**63))]
 Output = Annotated[Path | None, Parameter(name=["--output", "-o"])]
 DryRun = Annotated[bool, Parameter(negative=())]
 WALL_GROUP = Group("Wall", help="One of these where the file does not name its wall; fitted to the spheres otherwise.")
@@ -84,13 +93,33 @@ def describe(bed: Packing, edges: Any, margin: float) -> None:
     say(f"layers    {', '.join(f'{e:.6g}' for e in edges)} m deep")
 
 
-def save(stage: str, found: Any, fields: Any, output: Path | None) -> None:
+def check_output(stage: str, output: Path | None) -> None:
+    """Check that a record can be saved, before it is computed."""
+    if output is None:
+        return
+    from bedrad.jobs.results import check_record_file
+
+    check_record_file(output, stage)
+
+
+def check_bed_output(output: Path) -> None:
+    """Check that a packing can be written, before it is computed: ValueError for its suffix, OSError for its place."""
+    from bedrad.jobs.results import check_writable
+    from bedrad.packings.files import FORMATS
+
+    known = [suffix for form in FORMATS if form.write is not None for suffix in form.suffixes]
+    if output.suffix.lower() not in known:
+        raise ValueError(f"{output}: suffix {output.suffix!r}; packings are written as {', '.join(known)}")
+    check_writable(output)
+
+
+def save(stage: str, fill: Any, source: Path, output: Path | None) -> None:
     """Write a record to a results file, if one was asked for."""
     if output is None:
         return
     from bedrad.jobs.results import save_record
 
-    save_record(output, stage, found, fields)
+    save_record(output, stage, fill, source)
     list_files([output])
 
 
@@ -128,12 +157,40 @@ def progress_bars() -> Iterator[Any]:
         yield report
 
 
-def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    """Print a warning as one line."""
-    NOTES.print(f"warning: {message}", highlight=False, markup=False, style="yellow")
+@contextmanager
+def ended_like_ctrl_c() -> Iterator[None]:
+    """Let a request to end (SIGTERM) do what Ctrl-C does, so that LAMMPS and half-written files go with us."""
+
+    def stop(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
-def fail(text: str, code: int) -> int:
+def warning_printer() -> Callable[..., None]:
+    """Make a function that prints each warning as one line, and the same text only once."""
+    shown: set[str] = set()
+
+    def show(message: Warning | str, *_: Any, **__: Any) -> None:
+        text = " ".join(str(message).split())
+        if text not in shown:
+            shown.add(text)
+            NOTES.print(f"warning: {text}", highlight=False, markup=False, style="yellow", soft_wrap=True)
+
+    return show
+
+
+def fail(error: BaseException | str, code: int) -> int:
     """Print an error as one line and pass on the exit code."""
+    text = str(error) or type(error).__name__
+    if isinstance(error, OSError) and error.filename is not None and error.strerror:
+        text = f"{error.filename}: {error.strerror}"
     NOTES.print(f"bedrad: {text}", highlight=False, markup=False, style="red", soft_wrap=True)
     return code

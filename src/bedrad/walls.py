@@ -45,9 +45,7 @@ class Window:
                 continue
             low, high = interval
             if not (math.isfinite(low) and math.isfinite(high) and low < high):
-                raise ValueError(
-                    f"{name} window ({low}, {high}) m is empty or not finite; expected low < high"
-                )
+                raise ValueError(f"{name} window ({low}, {high}) m is empty or not finite; expected low < high")
 
     @property
     def length(self) -> float:
@@ -56,9 +54,7 @@ class Window:
 
 
 def _check_radius(what: str, radius: float) -> None:
-    if not (
-        isinstance(radius, (int, float, np.floating, np.integer)) and math.isfinite(radius) and radius > 0
-    ):
+    if not (isinstance(radius, (int, float, np.floating, np.integer)) and math.isfinite(radius) and radius > 0):
         raise ValueError(f"{what} radius is {radius!r}; expected a positive, finite number of metres")
 
 
@@ -106,7 +102,7 @@ class Tube:
 
     def layer_volume(self, inner: float, outer: float, window: Window) -> float:
         """Volume between the depths `inner` < `outer` over the window. [m3]"""
-        near, far = self.radius - inner, max(self.radius - outer, 0.0)
+        near, far = max(self.radius - inner, 0.0), max(self.radius - outer, 0.0)
         return math.pi * (near - far) * (near + far) * window.length
 
 
@@ -200,7 +196,8 @@ def _radial(points: ArrayLike) -> FloatArray:
     x = np.asarray(points, dtype=float)
     distance = np.hypot(x[..., 0], x[..., 1])
     away = np.zeros_like(x)
-    on_axis = distance == 0.0
+    # also where so few digits are left that there is no direction
+    on_axis = distance < np.finfo(float).tiny
     safe = np.where(on_axis, 1.0, distance)
     away[..., 0] = np.where(on_axis, 1.0, x[..., 0] / safe)
     away[..., 1] = np.where(on_axis, 0.0, x[..., 1] / safe)

@@ -19,9 +19,7 @@ def atlas(k_g, k_s, eps, d, T, e, phi, path):
         core = B * (K + R - 1) / (N**2 * G * K) * mpmath.log((K + R) / (B * (G + (1 - G) * (K + R))))
         core += (B + 1) / (2 * B) * (R / G - B * (1 + (1 - G) / G * R)) - (B - 1) / (N * G)
         root = mpmath.sqrt(1 - eps)
-        return k_g * (
-            (1 - root) * eps * (1 / (eps - 1 + 1 / G) + R) + root * (phi * K + (1 - phi) * 2 / N * core)
-        )
+        return k_g * ((1 - root) * eps * (1 / (eps - 1 + 1 / G) + R) + root * (phi * K + (1 - phi) * 2 / N * core))
 
 
 @pytest.mark.parametrize(
@@ -107,15 +105,11 @@ def test_model_lies_3_to_13_percent_below_the_fits():
 
 
 def test_range_and_refusals():
-    with pytest.warns(
-        RangeWarning, match=r"1373\.15 K, outside the fitted range 313.15 to 1273.15 K"
-    ) as record:
+    with pytest.warns(RangeWarning, match=r"1373\.15 K, outside the fitted range 313.15 to 1273.15 K") as record:
         bulk.measured([900.0, 1373.15], 270e-6)
     assert len(record) == 1
     assert record[0].filename == __file__
-    with pytest.raises(
-        ValueError, match=r"particle_diameter is 600 um .*Table 5.2 has 270 um zirconia-silica, 320 um"
-    ):
+    with pytest.raises(ValueError, match=r"particle_diameter is 600 um .*Table 5.2 has 270 um zirconia-silica, 320 um"):
         bulk.measured(900.0, 600e-6)
     with pytest.raises(ValueError, match=r"table is '9\.9'"):
         bulk.find_fit(270e-6, table="9.9")

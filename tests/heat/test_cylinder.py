@@ -31,15 +31,11 @@ def printed(K, A, a):
     def row(t):
         z = highest * math.sin(t)
         end = last_angle(z)
-        through = quad(
-            lambda s: local(end * math.sin(s), z) * end * math.cos(s), 0, math.pi / 2, epsrel=1e-10
-        )[0]
+        through = quad(lambda s: local(end * math.sin(s), z) * end * math.cos(s), 0, math.pi / 2, epsrel=1e-10)[0]
         return through * highest * math.cos(t)
 
     heat = quad(row, 0, math.pi / 2, epsrel=1e-9)[0]
-    area = quad(
-        lambda t: last_angle(highest * math.sin(t)) * highest * math.cos(t), 0, math.pi / 2, epsrel=1e-11
-    )[0]
+    area = quad(lambda t: last_angle(highest * math.sin(t)) * highest * math.cos(t), 0, math.pi / 2, epsrel=1e-11)[0]
     return heat / area, 4 * A * area
 
 
@@ -77,9 +73,7 @@ def test_volume_by_slices_across_the_tube(A, a):
     height = math.sqrt(1 - a * a)
     # the slice at height z is a circle, cut by the inner surface of the layer; sine substitution at the end
     volume = quad(
-        lambda t: (
-            2 * circle_outside(math.sqrt(1 - (height * math.sin(t)) ** 2), c, c + a) * height * math.cos(t)
-        ),
+        lambda t: 2 * circle_outside(math.sqrt(1 - (height * math.sin(t)) ** 2), c, c + a) * height * math.cos(t),
         0,
         math.pi / 2,
         epsrel=1e-11,
@@ -90,9 +84,9 @@ def test_volume_by_slices_across_the_tube(A, a):
 def test_wide_tubes_are_flat_to_first_order_in_the_curvature():
     a = np.array([0.0, 0.22, 0.7])
     ratios = np.array([1e3, 1e4, 1e5])
-    flat = np.stack(
-        [particle_conductivity(70.0, a), math.pi * (1 - a * a), math.pi / 3 * (1 - a) ** 2 * (2 + a)]
-    )[:, None, :]
+    flat = np.stack([particle_conductivity(70.0, a), math.pi * (1 - a * a), math.pi / 3 * (1 - a) ** 2 * (2 + a)])[
+        :, None, :
+    ]
     A = ratios[:, None]
     exact = np.stack(
         [

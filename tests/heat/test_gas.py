@@ -63,9 +63,7 @@ def test_rises_smoothly():
 
 
 def test_range_and_refusals():
-    with pytest.warns(
-        RangeWarning, match="temperature is 2100 K, outside the fitted range 85 to 2000 K"
-    ) as record:
+    with pytest.warns(RangeWarning, match="temperature is 2100 K, outside the fitted range 85 to 2000 K") as record:
         gas.air_conductivity([300.0, 2100.0])
     assert record[0].filename == __file__
     with pytest.raises(ValueError, match="temperature is -10 K"):

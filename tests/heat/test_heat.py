@@ -28,14 +28,10 @@ def test_equations_load_neither_statistics_nor_compiler_nor_packings():
 def test_range_warning_is_a_user_warning_and_forgives_rounding():
     assert issubclass(RangeWarning, UserWarning)
     ranges.warn_outside("x", [1.0 - 1e-12, 2.0 + 1e-12], 1.0, 2.0)
-    with pytest.warns(
-        RangeWarning, match=r"^x is 2.1 m, outside the fitted range 1 to 2 m: an extrapolation$"
-    ):
+    with pytest.warns(RangeWarning, match=r"^x is 2.1 m, outside the fitted range 1 to 2 m: an extrapolation$"):
         ranges.warn_outside("x", [[1.5, 2.1], [3.0, 1.0]], 1.0, 2.0, "m")
 
 
 def test_refusals_count_the_bad_values():
-    with pytest.raises(
-        ValueError, match=r"^x is -1 K \(2 such values\); expected a positive, finite number$"
-    ):
+    with pytest.raises(ValueError, match=r"^x is -1 K \(2 such values\); expected a positive, finite number$"):
         ranges.positive("x", [1.0, -1.0, 0.0], "K")

@@ -9,9 +9,7 @@ from bedrad.heat import RangeWarning, materials
     ("material", "at_25"), [(materials.ZIRCONIA_SILICA, 472.0), (materials.ALUMINA_SILICATE, 711.0)]
 )
 def test_tables_2_2_and_2_3_agree_with_themselves(material, at_25):
-    assert material.bulk_density / material.particle_density == pytest.approx(
-        material.packing_fraction, abs=5e-3
-    )
+    assert material.bulk_density / material.particle_density == pytest.approx(material.packing_fraction, abs=5e-3)
     with pytest.warns(RangeWarning, match=r"298\.15 K, outside the fitted range 313.15 to 773.15 K"):
         value = material.specific_heat(298.15)
     assert value == pytest.approx(at_25, abs=0.5)

@@ -31,22 +31,16 @@ def test_broadcast_with_layers_on_the_last_axis():
 
 
 def test_flux_of_a_single_black_layer_and_of_an_isothermal_bed():
-    assert radiation.heat_flux([1.0], 1000.0, [500.0]) == pytest.approx(
-        SIGMA * (1000.0**4 - 500.0**4), rel=1e-14
-    )
+    assert radiation.heat_flux([1.0], 1000.0, [500.0]) == pytest.approx(SIGMA * (1000.0**4 - 500.0**4), rel=1e-14)
     assert radiation.heat_flux([0.8, 0.18, 0.02], 1000.0, [1000.0] * 3) == 0.0
     hot = radiation.heat_flux([0.8, 0.2], 600.0, [900.0, 1200.0])
-    assert hot == pytest.approx(
-        -SIGMA * (0.8 * (900.0**4 - 600.0**4) + 0.2 * (1200.0**4 - 600.0**4)), rel=1e-14
-    )
+    assert hot == pytest.approx(-SIGMA * (0.8 * (900.0**4 - 600.0**4) + 0.2 * (1200.0**4 - 600.0**4)), rel=1e-14)
 
 
 def test_linearised_flux_is_conduction_with_k_rad_across_the_wall_layer():
     # eq. 50 from eq. 49: q = k_rad dT/r
     flux = radiation.linearised_heat_flux(radiation.WATKINS_FACTORS, T, 7.0)
-    assert flux == pytest.approx(
-        radiation.conductivity(radiation.WATKINS_FACTORS, 3e-4, T) * 7.0 / 150e-6, rel=1e-14
-    )
+    assert flux == pytest.approx(radiation.conductivity(radiation.WATKINS_FACTORS, 3e-4, T) * 7.0 / 150e-6, rel=1e-14)
 
 
 def test_linearisation_error_is_of_first_order_in_the_step():

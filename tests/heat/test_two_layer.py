@@ -16,13 +16,10 @@ def integrated(A, kappa):
         return 1.0 if r < edge else 1.0 / kappa
 
     def below_wall(r):
-        return quad(lambda s: s / conductivity(s), r, 1.0, points=[edge] if r < edge else None, epsrel=1e-12)[
-            0
-        ]
+        return quad(lambda s: s / conductivity(s), r, 1.0, points=[edge] if r < edge else None, epsrel=1e-12)[0]
 
     mean = sum(
-        quad(lambda r: 2 * r * below_wall(r), low, high, epsrel=1e-11)[0]
-        for low, high in ((0, edge), (edge, 1))
+        quad(lambda r: 2 * r * below_wall(r), low, high, epsrel=1e-11)[0] for low, high in ((0, edge), (edge, 1))
     )
     return 2.0 / mean  # h D/k_b with h = 1/(T_w - T_mean)
 
@@ -40,9 +37,7 @@ def test_one_layer_and_wide_tubes_give_eight():
 def test_source_example():
     # Watkins 2018, Fig. 4.3: k_wa 0.12, k_b 0.30 W/(m K), A = 28.2
     W = 1 - 1 / 28.2
-    assert two_layer.nusselt_developed(28.2, 0.30 / 0.12) == pytest.approx(
-        8 / (W**4 + 2.5 * (1 - W**4)), rel=1e-14
-    )
+    assert two_layer.nusselt_developed(28.2, 0.30 / 0.12) == pytest.approx(8 / (W**4 + 2.5 * (1 - W**4)), rel=1e-14)
 
 
 def test_broadcast():

@@ -108,7 +108,7 @@ def test_windows_are_checked():
 def test_margin_leaves_out_the_ends():
     bed = _bed("tube", periodic=False)
     low, high = bed.extent(2)
-    margin = 0.5 * bed.mean_diameter
+    margin = max(0.5 * bed.mean_diameter, 0.5 * 2 * bed.radii.max())
     assert check_window(bed, margin=0.5).axial == pytest.approx((low + margin, high - margin))
     inner = layer_volumes(bed, EDGES, margin=0.5)
     assert np.array_equal(inner, layer_volumes(bed, EDGES, check_window(bed, margin=0.5)))

@@ -212,9 +212,9 @@ def test_watkins_normalisation_sums_to_one_over_the_layers():
         ({"tolerance": float("nan")}, "nan"),
         ({"rays": 0}, "rays is 0"),
         ({"threads": 0, "rays": 64}, "threads is 0"),
-        ({"edges": [0.1, 1.0]}, "the first 0"),
-        ({"edges": [0.0, 2.0, 1.0]}, "ascending"),
-        ({"edges": [0.0, 1.6]}, "deeper than the tube's axis"),
+        ({"edges": [0.1, 1.0]}, "first must be 0"),
+        ({"edges": [0.0, 2.0, 1.0]}, "finite depths that rise"),
+        ({"edges": [0.0, 1.6]}, "deepest point below the tube wall is 1.5 m"),
     ],
 )
 def test_wrong_arguments_are_named(arguments, message):

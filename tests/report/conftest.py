@@ -7,6 +7,7 @@ import pytest
 
 from bedrad.jobs.fields import CONVERGENCE, PREDICTION, STATISTICS, SYSTEM, VIEW_FACTORS, WALL_LAYER
 from bedrad.jobs.results import Results, save_fields
+from bedrad.jobs.stages import ORDER
 
 NAME = r"0.6 mm [bold]zirconia[/bold], $\no_formula$"
 TEMPERATURES = np.linspace(373.15, 1373.15, 11)
@@ -65,7 +66,14 @@ def made_up_view_factors():
     values = {"layers": mean[:3], "layers_error": error[:3], "layers_bed_error": bed[:3]}
     for k, name in enumerate(("beyond", "wall", "escaped"), start=3):
         values |= {name: mean[k], f"{name}_error": error[k], f"{name}_bed_error": bed[k]}
-    return values | {"edges": EDGES, "scramblings": scramblings, "rays": 2**20, "seconds": 0.75, "setup_seconds": 0.25}
+    return values | {
+        "edges": EDGES,
+        "scramblings": scramblings,
+        "block_shares": scramblings[:4],
+        "rays": 2**20,
+        "seconds": 0.75,
+        "setup_seconds": 0.25,
+    }
 
 
 def made_up_statistics():
@@ -177,7 +185,7 @@ class Fabricated:
             change(data)
         self.results.write_stage(
             stage, "0" * 64, lambda group: fill(group, data), keep=list(self.data),
-            attributes={"job": json.dumps({"name": NAME}), "inputs": "{}"},
+            attributes={"job": json.dumps({"name": NAME} | {stage: {} for stage in ORDER}), "inputs": "{}"},
         )  # fmt: skip
         self.data[stage] = data
         return self

@@ -110,7 +110,12 @@ def test_targets_of_a_wall_that_sees_no_sphere(fabricate):
 def test_more_layers_than_published(fabricate):
     data = fabricate("view_factors").data["view_factors"]
     more = {"layers": np.array([0.8, 0.1, 0.05, 0.02]), "edges": np.array([0.0, 1.0, 3.0, 5.0, 7.0])}
-    more |= {"layers_error": np.zeros(4), "layers_bed_error": np.zeros(4), "scramblings": np.full((8, 7), 0.1)}
+    more |= {
+        "layers_error": np.zeros(4),
+        "layers_bed_error": np.zeros(4),
+        "scramblings": np.full((8, 7), 0.1),
+        "block_shares": np.full((4, 7), 0.1),
+    }
     rows = list(records.targets(data | more))
     assert [row.name for row in rows][:4] == ["layer 1", "layer 2", "layer 3", "layer 4"]
     assert math.isnan(rows[3].published)

@@ -77,9 +77,7 @@ Table 5.2)."""
 _TABLES = {"2.4": TABLE_2_4, "5.2": TABLE_5_2}
 
 
-def find_fit(
-    particle_diameter: float, material: str = "zirconia-silica", table: str = "5.2"
-) -> BulkFit | None:
+def find_fit(particle_diameter: float, material: str = "zirconia-silica", table: str = "5.2") -> BulkFit | None:
     """Find the fit for a particle diameter [m] (to 1 %) and material; None where the table has none."""
     if table not in _TABLES:
         raise ValueError(f"table is {table!r}; expected '2.4' or '5.2'")
@@ -171,9 +169,7 @@ def modified_free_path(
     speed = np.sqrt(2.0 * math.pi * gas_constant * T)
     capacity = 2.0 * positive("specific_heat", specific_heat, "J/(kg K)") - gas_constant
     k_g = positive("gas_conductivity", gas_conductivity, "W/(m K)")
-    return plain(
-        2.0 * (2.0 - share) / share * speed * k_g / (positive("pressure", pressure, "Pa") * capacity)
-    )
+    return plain(2.0 * (2.0 - share) / share * speed * k_g / (positive("pressure", pressure, "Pa") * capacity))
 
 
 def _logarithm_rest(q: FloatArray) -> FloatArray:

@@ -109,9 +109,7 @@ def covered_area(diameter_ratio: ArrayLike, nc_distance: ArrayLike = 0.0) -> Flo
     return plain(A * (1.0 - distance) * area)
 
 
-def particle_conductivity(
-    K: ArrayLike, diameter_ratio: ArrayLike, nc_distance: ArrayLike = 0.0
-) -> FloatArray:
+def particle_conductivity(K: ArrayLike, diameter_ratio: ArrayLike, nc_distance: ArrayLike = 0.0) -> FloatArray:
     """Conductivity of gas and particle in the wall layer of a tube over k_g (Watkins 2018, eq. 84-86).
 
     Parameters

@@ -229,9 +229,7 @@ def predict(
     factors = ViewFactors.watkins() if view_factors is None else view_factors
     k_b = bulk_conductivity(system, T, bulk) if isinstance(bulk, str) else _matched(bulk, T)
     fixed = _Fixed(system, layer, T, air_conductivity(T), k_b)
-    inputs = np.array(
-        [layer.packing_fraction, layer.contacts_per_area, layer.nc_distance, *factors.to_layers]
-    )
+    inputs = np.array([layer.packing_fraction, layer.contacts_per_area, layer.nc_distance, *factors.to_layers])
     sigmas = np.array(
         [
             layer.packing_fraction_error,

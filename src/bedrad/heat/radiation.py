@@ -66,9 +66,7 @@ def penetration(factors_to_layers: ArrayLike) -> FloatArray:
     return plain(F @ np.arange(1.0, F.shape[-1] + 1.0))
 
 
-def conductivity(
-    factors_to_layers: ArrayLike, particle_diameter: ArrayLike, wall_temperature: ArrayLike
-) -> FloatArray:
+def conductivity(factors_to_layers: ArrayLike, particle_diameter: ArrayLike, wall_temperature: ArrayLike) -> FloatArray:
     """Radiative conductivity of the wall-adjacent layer (Watkins 2018, eq. 50).
 
     `k_rad = 4 sigma r T_w^3 (F_w1 + 2 F_w2 + 3 F_w3 + ...)`, to be added to the conductive k_wa. What returns
@@ -98,9 +96,7 @@ def conductivity(
     return plain(4.0 * STEFAN_BOLTZMANN * radius * T**3 * penetration(factors_to_layers))
 
 
-def heat_flux(
-    factors_to_layers: ArrayLike, wall_temperature: ArrayLike, layer_temperatures: ArrayLike
-) -> FloatArray:
+def heat_flux(factors_to_layers: ArrayLike, wall_temperature: ArrayLike, layer_temperatures: ArrayLike) -> FloatArray:
     """Net radiative flux from the wall to the layers (Watkins 2018, eq. 48).
 
     Parameters

@@ -95,6 +95,4 @@ def warn_outside(what: str, values: ArrayLike, low: float, high: float, unit: st
         return
     first = float(np.atleast_1d(x)[np.atleast_1d(outside)][0])
     suffix = f" {unit}" if unit else ""
-    warn(
-        f"{what} is {first:g}{suffix}, outside the fitted range {low:g} to {high:g}{suffix}: an extrapolation"
-    )
+    warn(f"{what} is {first:g}{suffix}, outside the fitted range {low:g} to {high:g}{suffix}: an extrapolation")

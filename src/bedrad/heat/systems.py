@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -12,7 +13,7 @@ from bedrad.heat import bulk as bulk_models
 from bedrad.heat import correlations, radiation, wall_layer
 from bedrad.heat.gas import air_conductivity
 from bedrad.heat.materials import ZIRCONIA_SILICA
-from bedrad.heat.ranges import FloatArray, non_negative, plain, positive, within
+from bedrad.heat.ranges import FloatArray, RangeWarning, non_negative, plain, positive, within
 
 __all__ = ["TABLE_5_1", "Bulk", "BulkModel", "System", "ViewFactors", "WallLayer", "bulk_conductivity"]
 
@@ -216,7 +217,8 @@ def bulk_conductivity(system: System, temperature: ArrayLike, model: BulkModel =
     temperature : float or (n,) array
         Temperature. [K]
     model : {"auto", "table 5.2", "zbs"}
-        "auto" takes Table 5.2 where it has the particles, else the model.
+        "auto" takes Table 5.2 where it has the particles, zirconia-silica of that diameter in a bed of its porosity,
+        else the model.
 
     Returns
     -------
@@ -240,9 +242,24 @@ def bulk_conductivity(system: System, temperature: ArrayLike, model: BulkModel =
     inputs = (gas, system.solid_conductivity, system.porosity, system.particle_diameter, T, system.emissivity)
     with_radiation = bulk_models.zehner_bauer_schluender(*inputs)
     without = bulk_models.zehner_bauer_schluender(*inputs, radiation=False)
-    fit = bulk_models.find_fit(system.particle_diameter)
-    if model == "zbs" or (model == "auto" and fit is None):
+    tabulated = bulk_models.find_fit(system.particle_diameter) is not None and _is_tabulated(system)
+    if model == "zbs" or (model == "auto" and not tabulated):
         return Bulk(with_radiation, without, "zbs")
+    if not _is_tabulated(system):
+        warnings.warn(
+            "Table 5.2 (Watkins 2018) is for zirconia-silica: the given "
+            f"solid_conductivity {system.solid_conductivity:g} W/(m K), porosity {system.porosity:g} and "
+            f"emissivity {system.emissivity:g} do not enter the bulk conductivity",
+            RangeWarning,
+            stacklevel=2,
+        )
     fitted = bulk_models.measured(T, system.particle_diameter)
     rest = positive("bulk conductivity without radiation", fitted - (with_radiation - without), "W/(m K)")
     return Bulk(fitted, plain(rest), "table 5.2")
+
+
+def _is_tabulated(system: System) -> bool:
+    """Whether the particles and their bed are those of the tables."""
+    given = (system.solid_conductivity, system.porosity, system.emissivity)
+    material = ZIRCONIA_SILICA
+    return bool(np.allclose(given, (material.solid_conductivity, 1.0 - material.packing_fraction, material.emissivity)))

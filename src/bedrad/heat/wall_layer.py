@@ -324,9 +324,7 @@ def closing_nc_distance(
     A = positive("diameter_ratio", diameter_ratio, infinite=volumes == "flat")
     touching_volume = cylinder.particle_volume(A) if volumes == "cylinder" else _flat_volume(np.asarray(0.0))
     rest = np.asarray(fraction * _layer_depth(A) - touching_volume * touching)
-    target = np.divide(
-        rest, apart, out=np.full(np.broadcast_shapes(rest.shape, apart.shape), np.nan), where=apart > 0
-    )
+    target = np.divide(rest, apart, out=np.full(np.broadcast_shapes(rest.shape, apart.shape), np.nan), where=apart > 0)
     closes = (target >= -_ROUNDING) & (target <= touching_volume * (1.0 + _ROUNDING))
     wanted = np.clip(np.where(closes, target, 0.0), 0.0, touching_volume)
     # (1-a)^2 (2+a) = t is a cubic with three real roots; this is the one between 0 and 1

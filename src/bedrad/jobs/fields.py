@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-__all__ = ["CONVERGENCE", "PREDICTION", "STATISTICS", "SYSTEM", "VIEW_FACTORS", "WALL_LAYER", "Field"]
+__all__ = ["CONVERGENCE", "HISTORY", "PREDICTION", "STATISTICS", "SYSTEM", "VIEW_FACTORS", "WALL_LAYER", "Field"]
 
 Field = tuple[str, str]
 """Units ("1" for none) and long name of a dataset; ``<name>_error`` is understood beside it."""
@@ -44,9 +44,17 @@ VIEW_FACTORS: Mapping[str, Field] = {
     "escaped_bed_error": ("1", "scatter of the bed: standard error from block to block, escaped"),
     "edges": ("m", "depths that part the layers"),
     "scramblings": ("1", "shares found by each scrambling: layers, beyond, wall, escaped"),
+    "block_shares": ("1", "shares found in each axial block: layers, beyond, wall, escaped"),
     "rays": ("1", "number of rays"),
     "seconds": ("s", "run time"),
     "setup_seconds": ("s", "of this, to build the grid"),
+}
+
+HISTORY: Mapping[str, Field] = {
+    "history_rays": ("1", "rays after each round"),
+    "history_seconds": ("s", "run time after each round"),
+    "history_estimates": ("1", "view factors after each round: layers, beyond, wall, escaped"),
+    "history_errors": ("1", "their standard errors"),
 }
 
 CONVERGENCE: Mapping[str, Field] = {
@@ -82,6 +90,8 @@ SYSTEM: Mapping[str, Field] = {
     "velocity": ("m/s", "mean flow velocity"),
     "diameter_ratio": ("1", "tube over particle diameter, A"),
     "solid_conductivity": ("W/(m K)", "conductivity of the particles"),
+    "porosity": ("1", "void fraction of the bulk"),
+    "emissivity": ("1", "emissivity of the particles in the bulk"),
 }
 
 WALL_LAYER: Mapping[str, Field] = {

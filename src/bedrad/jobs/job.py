@@ -4,22 +4,35 @@ from __future__ import annotations
 
 import difflib
 import json
+import re
 import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
 
 from bedrad.errors import BadFileError
-from bedrad.jobs.units import Conductivity, Density, Length, Stiffness, Temperature, Velocity
+from bedrad.jobs.units import Conductivity, Density, Length, Stiffness, Temperature, Velocity, shortened
 from bedrad.walls import Plate, Rod, Tube, Wall
 
 __all__ = ["Job", "load_job", "parse_job"]
 
 PositiveInt = Annotated[int, Field(gt=0, strict=True)]
-Seed = Annotated[int, Field(ge=0, strict=True)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Count = Annotated[int, Field(gt=0, le=10_000, strict=True)]
+# HDF5 keeps integers of 64 bits, and texts, such as the whole job, of 64 KiB
+Seed = Annotated[int, Field(ge=0, lt=2**63, strict=True)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False, strict=True)]
+BelowOne = Annotated[float, Field(gt=0, lt=1, strict=True)]
+UpToOne = Annotated[float, Field(gt=0, le=1, strict=True)]
+YesNo = Annotated[bool, Field(strict=True)]
+PositiveLength = Annotated[Length, Field(gt=0)]
+PositiveTemperature = Annotated[Temperature, Field(gt=0)]
+
+
+def _form(value: object) -> str:
+    """Tag of the alternative that a value is meant as, so that only that one's errors are told."""
+    return "<list>" if isinstance(value, (list, tuple)) else "<one>"
 
 
 class _Section(BaseModel):
@@ -30,7 +43,7 @@ class WallSection(_Section):
     """The wall: its shape, and its diameter unless it is flat."""
 
     shape: Literal["tube", "rod", "plate"] = "tube"
-    diameter: Annotated[Length, Field(gt=0)] | None = None
+    diameter: PositiveLength | None = None
 
     @model_validator(mode="after")
     def _check_diameter(self) -> WallSection:
@@ -48,26 +61,26 @@ class WallSection(_Section):
 class Size(_Section):
     """One size of a size distribution."""
 
-    diameter: Annotated[Length, Field(gt=0)]
+    diameter: PositiveLength
     share: Positive
 
 
 class SettleSection(_Section):
     """A bed settled by the discrete-element method."""
 
-    height: Annotated[Length, Field(gt=0)]
-    diameter: Annotated[Length, Field(gt=0)] | None = None
-    sizes: tuple[Size, ...] | None = None
+    height: PositiveLength
+    diameter: PositiveLength | None = None
+    sizes: Annotated[tuple[Size, ...], Field(max_length=100)] | None = None
     density: Annotated[Density, Field(gt=0)] = 3800.0
     friction: NotNegative = 0.4
     wall_friction: NotNegative | None = None
-    restitution: Annotated[float, Field(gt=0, lt=1)] = 0.85
+    restitution: BelowOne = 0.85
     stiffness: Annotated[Stiffness, Field(gt=0)] | None = None
     ranks: PositiveInt = 1
 
     @model_validator(mode="after")
     def _check_sizes(self) -> SettleSection:
-        if (self.diameter is None) == (self.sizes is None):
+        if (self.diameter is None) == (self.sizes is None) or self.sizes == ():
             raise ValueError("give a diameter or sizes, one of the two")
         return self
 
@@ -76,8 +89,12 @@ class FileSection(_Section):
     """A bed read from a file."""
 
     path: Path
-    diameter: Annotated[Length, Field(gt=0)] | None = None
-    period: Annotated[Length, Field(gt=0)] | tuple[Length, Length] | None = None
+    diameter: PositiveLength | None = None
+    period: Annotated[
+        Annotated[PositiveLength | None, Tag("<one>")]
+        | Annotated[tuple[PositiveLength, PositiveLength], Tag("<list>")],
+        Discriminator(_form),
+    ] = None
     frame: Annotated[int, Field(strict=True)] = -1
 
 
@@ -97,7 +114,7 @@ class PackingSection(_Section):
 class LayersSection(_Section):
     """How the bed is cut: a wall layer one radius deep, the others one diameter deep."""
 
-    count: PositiveInt = 3
+    count: Count = 3
     margin: NotNegative = 4.0
 
 
@@ -111,7 +128,7 @@ class ViewFactorsSection(_Section):
     """Ray-traced view factors, to a standard error or with a number of rays."""
 
     tolerance: Positive | None = None
-    rays: PositiveInt | None = None
+    rays: Annotated[int, Field(gt=0, le=2**35, strict=True)] | None = None
 
     @model_validator(mode="after")
     def _check_effort(self) -> ViewFactorsSection:
@@ -123,17 +140,25 @@ class ViewFactorsSection(_Section):
 class ConvergenceSection(_Section):
     """Error of the view factors against run time, on this bed."""
 
-    rays: PositiveInt = 2**19
+    rays: PositiveInt = 2**20
     reference_rays: PositiveInt = 2**25
     seeds: Annotated[int, Field(ge=2, strict=True)] = 8
+
+    @model_validator(mode="after")
+    def _check_reference(self) -> ConvergenceSection:
+        if self.reference_rays < 16 * self.rays:
+            raise ValueError(
+                f"reference_rays is {self.reference_rays}; expected at least 16 times rays, {16 * self.rays}"
+            )
+        return self
 
 
 class TemperatureRange(_Section):
     """Evenly spaced wall temperatures."""
 
-    lowest: Annotated[Temperature, Field(gt=0)]
-    highest: Annotated[Temperature, Field(gt=0)]
-    count: PositiveInt = 21
+    lowest: PositiveTemperature
+    highest: PositiveTemperature
+    count: Count = 21
 
     def values(self) -> list[float]:
         """The temperatures. [K]"""
@@ -146,22 +171,32 @@ class TemperatureRange(_Section):
 class PredictionSection(_Section):
     """Heat transfer by the two-layer model, against the wall temperature."""
 
-    wall_temperatures: TemperatureRange | tuple[Annotated[Temperature, Field(gt=0)], ...]
+    wall_temperatures: Annotated[
+        Annotated[TemperatureRange, Tag("<one>")]
+        | Annotated[tuple[PositiveTemperature, ...], Field(max_length=1000), Tag("<list>")],
+        Discriminator(lambda value: "<one>" if isinstance(value, (dict, TemperatureRange)) else "<list>"),
+    ]
     velocity: Annotated[Velocity, Field(ge=0)]
-    particle_diameter: Annotated[Length, Field(gt=0)] | None = None
-    nc_distance: Literal["mean", "weighted", "closing"] = "mean"
+    particle_diameter: PositiveLength | None = None
+    nc_distance: Literal["mean", "weighted", "closing"] = "closing"
     solid_conductivity: Annotated[Conductivity, Field(gt=0)] = 2.1
     bulk: Literal["auto", "table 5.2", "zbs"] = "auto"
-    bulk_packing_fraction: Annotated[float, Field(gt=0, lt=1)] = 0.63
-    emissivity: Annotated[float, Field(gt=0, le=1)] = 0.8
-    published_systems: bool = True
+    bulk_packing_fraction: BelowOne = 0.63
+    emissivity: UpToOne = 0.8
+    published_systems: YesNo = True
+
+    @model_validator(mode="after")
+    def _check_temperatures(self) -> PredictionSection:
+        if self.wall_temperatures == ():
+            raise ValueError("wall_temperatures is an empty list; give a temperature, such as '850 degC'")
+        return self
 
 
 class OutputSection(_Section):
     """What is written beside the results file."""
 
-    tables: bool = True
-    figures: bool = True
+    tables: YesNo = True
+    figures: YesNo = True
 
 
 class Job(_Section):
@@ -177,7 +212,7 @@ class Job(_Section):
         The sections; a stage without its section does not run.
     """
 
-    name: str = "bedrad job"
+    name: Annotated[str, Field(max_length=200)] = "bedrad job"
     seed: Seed = 0
     wall: WallSection | None = None
     packing: PackingSection | None = None
@@ -190,11 +225,16 @@ class Job(_Section):
 
     @model_validator(mode="after")
     def _check_stages(self) -> Job:
-        if self.packing is not None and self.packing.settle is not None and self.wall is None:
-            raise ValueError("[packing.settle] needs a [wall]")
+        if self.packing is not None and self.packing.settle is not None:
+            if self.wall is None:
+                raise ValueError("[packing.settle] needs a [wall]")
+            if self.wall.shape != "tube":
+                raise ValueError(f"[packing.settle] is for a tube; the wall is a {self.wall.shape}")
         measured = [n for n in ("statistics", "view_factors", "convergence") if getattr(self, n) is not None]
         if measured and self.packing is None:
             raise ValueError(f"[{measured[0]}] needs a [packing]")
+        if measured and self.packing is not None and self.packing.settle is not None and self.wall is not None:
+            self._check_size(self.packing.settle, self.wall)
         if self.prediction is not None:
             if self.wall is not None and self.wall.shape != "tube":
                 raise ValueError(f"[prediction] is for flow in a tube; the wall is a {self.wall.shape}")
@@ -203,6 +243,22 @@ class Job(_Section):
         if self.prediction is None and self.packing is None:
             raise ValueError("nothing to do: give a [packing] or a [prediction]")
         return self
+
+    def _check_size(self, settle: SettleSection, wall: WallSection) -> None:
+        """Refuse what could only fail after the settling: layers or margins that the bed has no room for."""
+        if settle.diameter is None or wall.diameter is None:
+            return
+        deepest, ends = (self.layers.count - 0.5) * settle.diameter, 2 * self.layers.margin * settle.diameter
+        if deepest > wall.diameter / 2:
+            raise ValueError(
+                f"layers.count is {self.layers.count}: the last layer would end {deepest:.4g} m deep, beyond the axis "
+                f"of the tube at {wall.diameter / 2:.4g} m"
+            )
+        if ends >= settle.height:
+            raise ValueError(
+                f"layers.margin is {self.layers.margin:g}: leaving out {ends:.4g} m of a bed {settle.height:.4g} m "
+                "high leaves nothing to measure"
+            )
 
     def resolved(self) -> str:
         """The job as JSON text with every default filled in and every quantity in SI units."""
@@ -243,7 +299,8 @@ def parse_job(text: str, file: Path) -> Job:
     """
     try:
         data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    # beside its own error, a number of thousands of digits or thousands of open brackets
+    except (ValueError, RecursionError) as error:
         raise BadFileError(f"{file}: not a TOML file: {error}") from None
     try:
         job = Job.model_validate(data)
@@ -255,38 +312,59 @@ def parse_job(text: str, file: Path) -> Job:
     return job
 
 
+_EXPECTED = {
+    "missing": "required, and not there",
+    "model_type": "expected a table of keys and values",
+    "too_long": "too many items",
+    "tuple_type": "expected a list",
+    "path_type": "expected a path as text",
+}
+"""Words for what pydantic says about its own types, by the type of the error."""
+
+
 def _problems(error: ValidationError) -> list[str]:
     """One line for each problem: field, what is wrong, the value, what was expected."""
     lines = []
     for problem in error.errors():
-        place = ".".join(str(part) for part in problem["loc"] if not _is_union_branch(part))
         if problem["type"] == "extra_forbidden":
-            lines.append(f"{place}: unknown key{_nearest(problem['loc'])}")
+            lines.append(_unknown(problem["loc"]))
             continue
-        text = problem["msg"].removeprefix("Value error, ")
+        place = _dotted(_keys(problem["loc"]))
+        text = _EXPECTED.get(problem["type"], problem["msg"].removeprefix("Value error, "))
         text = text[0].lower() + text[1:]
         value = problem["input"]
-        shown = "" if isinstance(value, dict) or repr(value) in text else f" (it is {value!r})"
+        shown = "" if isinstance(value, dict) or text.startswith(shortened(value)) else f" (it is {shortened(value)})"
         lines.append(f"{place or 'job'}: {text}{shown}")
-    return list(dict.fromkeys(lines))
+    return lines
 
 
-def _is_union_branch(part: object) -> bool:
+def _keys(place: tuple[int | str, ...]) -> list[str]:
+    """The keys in pydantic's error path, which also names alternatives of a union."""
+    return [str(part) for part in place if not _is_tag(part)]
+
+
+def _dotted(keys: list[str]) -> str:
+    """Path of a field, as TOML writes keys: quoted unless they are bare."""
+    return ".".join(key if re.fullmatch("[A-Za-z0-9_-]+", key) else json.dumps(key) for key in keys)
+
+
+def _is_tag(part: object) -> bool:
     """Whether a piece of pydantic's error path names an alternative of a union and not a field."""
-    return isinstance(part, str) and ("[" in part or part in ("TemperatureRange", "float"))
+    return part in ("<one>", "<list>")
 
 
-def _nearest(place: tuple[int | str, ...]) -> str:
-    """Name the known key nearest to an unknown one, or all that are known."""
-    known = sorted(_fields_at(place[:-1]))
-    near = difflib.get_close_matches(str(place[-1]), known, n=1)
-    return f"; did you mean {near[0]!r}?" if near else f"; known here: {', '.join(known)}"
+def _unknown(place: tuple[int | str, ...]) -> str:
+    """Name an unknown key, and the known one nearest to it or all that are known."""
+    known, key = sorted(_fields_at(place[:-1])), str(place[-1])
+    near = difflib.get_close_matches(key, known, n=1)
+    hint = f"did you mean {near[0]!r}?" if near else f"known here: {', '.join(known)}"
+    return f"{_dotted([*_keys(place[:-1]), key])}: unknown key; {hint}"
 
 
 def _fields_at(place: tuple[int | str, ...]) -> set[str]:
     model: Any = Job
     for part in place:
-        if isinstance(part, int) or _is_union_branch(part):
+        if isinstance(part, int) or _is_tag(part):
             continue
         model = _section_in(model.model_fields[part].annotation)
     return set(model.model_fields)

@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +14,18 @@ from bedrad import __version__
 from bedrad.errors import BadFileError
 from bedrad.jobs import stages
 from bedrad.jobs.job import Job
-from bedrad.jobs.results import Results
+from bedrad.jobs.results import Results, check_writable, sha256_of
 
 __all__ = ["Plan", "Stage", "make_plan", "run_job"]
+
+_UPSTREAM: Mapping[str, tuple[str, ...]] = {
+    "packing": (),
+    "statistics": ("packing",),
+    "view_factors": ("packing",),
+    "convergence": ("packing",),
+    "prediction": ("packing", "statistics", "view_factors"),
+}
+"""Stages to the earlier stages that they build on."""
 
 Progress = Callable[[str, float, str], None]
 """Called with the name of a stage, the share of it that is done, and a text."""
@@ -77,15 +87,23 @@ def make_plan(job: Job, results: Results) -> Plan:
     BadFileError
         If an input file is missing, or the results file is something else.
     """
+    if job.packing is not None and job.packing.file is not None:
+        bed = job.packing.file.path
+        if bed.resolve() == results.path.resolve():
+            raise BadFileError(f"{results.path}: is the bed of this job; name another results file")
     finished = results.digests()
     inputs = _input_digests(job)
     wanted = _wanted(job)
     digests: dict[str, str] = {}
     planned = []
-    for name, (parameters, upstream, summary) in wanted.items():
-        digests[name] = _digest(name, parameters, [digests[u] for u in upstream if u in digests])
+    for name, (parameters, summary) in wanted.items():
+        digests[name] = _digest(name, parameters, [digests[u] for u in _UPSTREAM[name] if u in digests])
         planned.append(Stage(name, digests[name], summary, finished.get(name) == digests[name]))
-    left_out = [(n, f"the job has no [{n}]") for n in stages.ORDER if n not in wanted]
+    left_out = [
+        (n, f"the job has no [{n}]" + ("; the results file keeps its earlier one" if n in finished else ""))
+        for n in stages.ORDER
+        if n not in wanted
+    ]
     return Plan(tuple(planned), tuple(left_out), inputs)
 
 
@@ -117,7 +135,11 @@ def run_job(job: Job, path: Path, progress: Progress | None = None) -> Results:
     """
     results = Results(path)
     plan = make_plan(job, results)
-    keep = [stage.name for stage in plan.stages if stage.done]
+    stale = {stage.name for stage in plan.stages if not stage.done}
+    if stale:
+        check_writable(path)
+    # what the job has no longer is kept too, as long as it was computed from what is kept
+    keep = [name for name in results.digests() if name not in stale and stale.isdisjoint(_UPSTREAM.get(name, ()))]
     attributes = {"job": job.resolved(), "inputs": json.dumps(dict(plan.inputs), sort_keys=True)}
     for stage in plan.stages:
         if stage.done:
@@ -127,6 +149,7 @@ def run_job(job: Job, path: Path, progress: Progress | None = None) -> Results:
         results.write_stage(stage.name, stage.digest, fill, keep=keep, attributes=attributes)
         keep.append(stage.name)
         _report(progress, stage.name, 1.0, "done")
+    results.update_attributes(attributes)
     return results
 
 
@@ -139,27 +162,27 @@ def _for_stage(progress: Progress | None, stage: str) -> Callable[[float, str], 
     return lambda share, text: _report(progress, stage, share, text)
 
 
-def _wanted(job: Job) -> dict[str, tuple[dict[str, Any], tuple[str, ...], str]]:
-    """Stages that the job asks for: what their results depend on, which stages they build on, and a summary."""
-    wanted: dict[str, tuple[dict[str, Any], tuple[str, ...], str]] = {}
+def _wanted(job: Job) -> dict[str, tuple[dict[str, Any], str]]:
+    """Stages that the job asks for: what their results depend on beside earlier stages, and a summary."""
+    wanted: dict[str, tuple[dict[str, Any], str]] = {}
     layers = job.layers.model_dump(mode="json")
+    wall = None if job.wall is None else job.wall.model_dump(mode="json")
     if job.packing is not None:
         source = job.packing.model_dump(mode="json")
-        wall = job.wall.model_dump(mode="json") if job.wall is not None else None
         parameters: dict[str, Any] = {"wall": wall}
         if job.packing.file is not None:
             # the content counts, not the place
-            source["file"]["path"] = _sha256(job.packing.file.path)
+            source["file"]["path"] = sha256_of(job.packing.file.path)
             summary = f"read {job.packing.file.path}"
         else:
             assert job.packing.settle is not None  # noqa: S101 - checked with the job
             parameters["seed"] = job.seed
+            parameters["lammps"] = _lammps_version()
             summary = f"settle a bed {job.packing.settle.height:g} m high with LAMMPS"
-        wanted["packing"] = (parameters | {"source": source}, (), summary)
+        wanted["packing"] = (parameters | {"source": source}, summary)
     if job.statistics is not None:
         wanted["statistics"] = (
             {"layers": layers, **job.statistics.model_dump(mode="json")},
-            ("packing",),
             f"solid fractions, wall contacts within {job.statistics.contact_gap:g} r, no-contact particles",
         )
     if job.view_factors is not None:
@@ -167,38 +190,35 @@ def _wanted(job: Job) -> dict[str, tuple[dict[str, Any], tuple[str, ...], str]]:
             f"a standard error of {job.view_factors.tolerance or 1e-3:g}")  # fmt: skip
         wanted["view_factors"] = (
             {"layers": layers, "seed": job.seed, **job.view_factors.model_dump(mode="json")},
-            ("packing",),
             f"view factors from the wall to {job.layers.count} layers, to {effort}",
         )
     if job.convergence is not None:
         wanted["convergence"] = (
             {"layers": layers, "seed": job.seed, **job.convergence.model_dump(mode="json")},
-            ("packing",),
             f"error of the view factors against run time, reference of {job.convergence.reference_rays} rays",
         )
     if job.prediction is not None:
         wanted["prediction"] = (
-            job.prediction.model_dump(mode="json"),
-            ("packing", "statistics", "view_factors"),
+            {"wall": wall, "layers": layers, **job.prediction.model_dump(mode="json")},
             "heat transfer against wall temperature by the two-layer model",
         )
     return wanted
 
 
 def _digest(name: str, parameters: dict[str, Any], upstream: list[str]) -> str:
-    content = json.dumps([name, __version__, parameters, upstream], sort_keys=True)
+    content = json.dumps([name, __version__, stages.REVISIONS[name], parameters, upstream], sort_keys=True)
     return hashlib.sha256(content.encode()).hexdigest()
+
+
+def _lammps_version() -> str:
+    """Version of the LAMMPS package; beds differ from one to the next."""
+    try:
+        return metadata.version("lammps")
+    except metadata.PackageNotFoundError:
+        return "none"
 
 
 def _input_digests(job: Job) -> dict[str, str]:
     if job.packing is None or job.packing.file is None:
         return {}
-    return {str(job.packing.file.path): _sha256(job.packing.file.path)}
-
-
-def _sha256(path: Path) -> str:
-    try:
-        with path.open("rb") as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
-    except OSError as error:
-        raise BadFileError(f"{path}: cannot be read: {error.strerror or error}") from None
+    return {str(job.packing.file.path): sha256_of(job.packing.file.path)}

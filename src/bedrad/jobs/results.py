@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import errno
+import hashlib
 import io
-from collections.abc import Callable, Iterable, Mapping
+import json
+import os
+import tempfile
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -17,7 +23,16 @@ from bedrad.atomic import atomic_path
 from bedrad.errors import BadFileError
 from bedrad.jobs.fields import Field
 
-__all__ = ["SCHEMA_VERSION", "Results", "StageData", "save_fields", "save_record"]
+__all__ = [
+    "SCHEMA_VERSION",
+    "Results",
+    "StageData",
+    "check_record_file",
+    "check_writable",
+    "save_fields",
+    "save_record",
+    "sha256_of",
+]
 
 SCHEMA_VERSION = 1
 
@@ -51,20 +66,93 @@ def save_fields(group: h5py.Group, values: Mapping[str, Any] | object, fields: M
             dataset.attrs["long_name"] = text
 
 
-def save_record(path: Path, stage: str, record: object, fields: Mapping[str, Field]) -> None:
-    """Write one record to an HDF5 file of its own, in a group of the stage's name.
+def check_writable(path: Path) -> None:
+    """Make the folder of a file and try to write there, so that a wrong path shows before the computing, not after.
 
     Raises
     ------
     OSError
+        If no file can be written there; the message names the file.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        # making a folder where a file lies is told as "File exists"
+        number = errno.ENOTDIR if isinstance(error, FileExistsError) else error.errno or errno.EIO
+        raise OSError(number, f"cannot write: {os.strerror(number)}", str(path)) from None
+
+
+def check_record_file(path: Path, stage: str) -> None:
+    """Check that `save_record` can write a file and destroys nothing but an older record of the same stage.
+
+    Raises
+    ------
+    BadFileError
+        If the file is there and holds something else.
+    OSError
+        If no file can be written there.
+    """
+    check_writable(path)
+    if not path.exists():
+        return
+    try:
+        with h5py.File(path, "r") as file:
+            held = list(file) if file.attrs.get("schema_version") == SCHEMA_VERSION else []
+    except OSError:
+        held = []
+    if held != [stage]:
+        raise BadFileError(
+            f"{path}: holds something else than one {stage!r} record and is not overwritten; "
+            "name another file, or remove this one"
+        )
+
+
+def save_record(path: Path, stage: str, fill: Callable[[h5py.Group], None], source: Path) -> None:
+    """Write one record to an HDF5 file of its own, in a group of the stage's name.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    stage : str
+        Name of the group.
+    fill : callable
+        Writes the record into the group it is given.
+    source : Path
+        The packing's file; its name and SHA-256 are kept with the record.
+
+    Raises
+    ------
+    BadFileError
+        If the file is there and holds something else.
+    OSError
         If the file cannot be written; an older one is then as it was.
     """
+    check_record_file(path, stage)
     buffer = io.BytesIO()
     with h5py.File(buffer, "w") as new:
-        save_fields(new.create_group(stage), record, fields)
+        fill(new.create_group(stage))
+        new.attrs["inputs"] = json.dumps({str(source): sha256_of(source)})
         _stamp(new)
     with atomic_path(path) as temporary:
         temporary.write_bytes(buffer.getbuffer())
+
+
+def sha256_of(path: Path) -> str:
+    """SHA-256 of a file.
+
+    Raises
+    ------
+    BadFileError
+        If it cannot be read.
+    """
+    try:
+        with path.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except OSError as error:
+        raise BadFileError(f"{path}: cannot be read: {error.strerror or error}") from None
 
 
 def _stamp(file: h5py.File) -> None:
@@ -158,19 +246,42 @@ class Results:
         with atomic_path(self.path) as temporary:
             temporary.write_bytes(buffer.getbuffer())
 
-    def _open(self) -> h5py.File:
+    def update_attributes(self, attributes: Mapping[str, str]) -> None:
+        """Replace attributes of the whole file where they differ; the stages stay.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written; the old one is then as it was.
+        """
+        held = self.attributes()
+        if all(held.get(name) == value for name, value in attributes.items()):
+            return
+        buffer = io.BytesIO(self.path.read_bytes())
+        with h5py.File(buffer, "r+") as file:
+            file.attrs.update(attributes)
+        with atomic_path(self.path) as temporary:
+            temporary.write_bytes(buffer.getbuffer())
+
+    @contextmanager
+    def _open(self) -> Iterator[h5py.File]:
         try:
-            file = h5py.File(self.path, "r")
-        except OSError as error:
-            raise BadFileError(f"{self.path}: not a bedrad results file ({error})") from None
-        if file.attrs.get("schema_version") != SCHEMA_VERSION or "job" not in file.attrs:
-            version = file.attrs.get("schema_version")
-            file.close()
+            with h5py.File(self.path, "r") as file:
+                version = file.attrs.get("schema_version")
+                if version != SCHEMA_VERSION or "job" not in file.attrs:
+                    raise BadFileError(
+                        f"{self.path}: not a bedrad results file of schema version {SCHEMA_VERSION} "
+                        f"(it has {version!r}); name another results file, or remove this one"
+                    )
+                yield file
+        # h5py tells of damage by any of these
+        except (OSError, RuntimeError, KeyError, UnicodeDecodeError) as error:
+            number = getattr(error, "errno", None)
+            reason = str(error) if number is None else os.strerror(number)
             raise BadFileError(
-                f"{self.path}: not a bedrad results file of schema version {SCHEMA_VERSION} (it has {version!r}); "
+                f"{self.path}: not a bedrad results file, or a damaged one ({reason}); "
                 "name another results file, or remove this one"
-            )
-        return file
+            ) from None
 
 
 def _read_group(group: h5py.Group) -> StageData:

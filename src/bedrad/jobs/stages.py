@@ -12,6 +12,7 @@ import numpy as np
 from bedrad import heat
 from bedrad.jobs.fields import (
     CONVERGENCE,
+    HISTORY,
     PREDICTION,
     STATISTICS,
     SYSTEM,
@@ -24,16 +25,20 @@ from bedrad.packings.files import read, save_packing
 from bedrad.packings.layers import layer_edges
 from bedrad.packings.packing import Packing
 from bedrad.packings.settle import settle
-from bedrad.packings.statistics import statistics
+from bedrad.packings.statistics import Statistics, statistics
 from bedrad.raytrace.convergence import convergence
+from bedrad.raytrace.factors import ViewFactors
 from bedrad.raytrace.view_factors import view_factors
-from bedrad.walls import Tube
+from bedrad.walls import Tube, Window
 
-__all__ = ["ORDER", "RUNNERS"]
+__all__ = ["ORDER", "REVISIONS", "RUNNERS", "fill_statistics", "fill_view_factors"]
 
 Fill = Callable[[h5py.Group], None]
 Progress = Callable[[float, str], None]
 Runner = Callable[[Job, Results, Progress], Fill]
+
+LARGEST_MISSING = 0.05
+"""Share of the radiative conductivity that may pass the last layer without a warning."""
 
 _NC_DISTANCES = {"mean": "nc_distance", "weighted": "nc_distance_weighted", "closing": "nc_distance_closing"}
 
@@ -54,8 +59,7 @@ def run_packing(job: Job, results: Results, progress: Progress) -> Fill:  # noqa
             wall,
             how.diameter,
             how.height,
-            # LAMMPS takes no seed of zero
-            job.seed + 1,
+            job.seed,
             sizes=None if how.sizes is None else [(s.diameter, s.share) for s in how.sizes],
             density=how.density,
             friction=how.friction,
@@ -75,13 +79,21 @@ def run_statistics(job: Job, results: Results, progress: Progress) -> Fill:
     progress(0.0, f"{len(bed):,} spheres")
     found = statistics(bed, edges, job.statistics.contact_gap, margin=job.layers.margin)
 
-    def fill(group: h5py.Group) -> None:
-        save_fields(group, found, STATISTICS)
-        group.attrs["window"] = found.window.axial
-        for name, count in found.left_out.items():
-            group.attrs[f"left_out_{name}"] = count
+    return lambda group: fill_statistics(group, found)
 
-    return fill
+
+def fill_statistics(group: h5py.Group, found: Statistics) -> None:
+    """Write statistics into an HDF5 group."""
+    save_fields(group, found, STATISTICS)
+    _fill_window(group, found.window)
+    for name, count in found.left_out.items():
+        group.attrs[f"left_out_{name}"] = count
+
+
+def _fill_window(group: h5py.Group, window: Window) -> None:
+    group.attrs["window"] = window.axial
+    if window.lateral is not None:
+        group.attrs["window_lateral"] = window.lateral
 
 
 def run_view_factors(job: Job, results: Results, progress: Progress) -> Fill:
@@ -99,28 +111,23 @@ def run_view_factors(job: Job, results: Results, progress: Progress) -> Fill:
         progress=progress,
     )
 
-    def fill(group: h5py.Group) -> None:
-        save_fields(group, found, VIEW_FACTORS)
-        save_fields(
-            group,
-            {
-                "history_rays": [s.rays for s in found.history],
-                "history_seconds": [s.seconds for s in found.history],
-                "history_estimates": np.array([s.estimates for s in found.history]),
-                "history_errors": np.array([s.errors for s in found.history]),
-            },
-            {
-                "history_rays": ("1", "rays after each round"),
-                "history_seconds": ("s", "run time after each round"),
-                "history_estimates": ("1", "view factors after each round: layers, beyond, wall, escaped"),
-                "history_errors": ("1", "their standard errors"),
-            },
-        )
-        group.attrs["window"] = found.window.axial
-        group.attrs["left_out"] = str(found.left_out)
-        group.attrs["seed"] = found.seed
+    return lambda group: fill_view_factors(group, found)
 
-    return fill
+
+def fill_view_factors(group: h5py.Group, found: ViewFactors) -> None:
+    """Write view factors into an HDF5 group."""
+    save_fields(group, found, VIEW_FACTORS)
+    history = {
+        "history_rays": [s.rays for s in found.history],
+        "history_seconds": [s.seconds for s in found.history],
+        "history_estimates": np.array([s.estimates for s in found.history]),
+        "history_errors": np.array([s.errors for s in found.history]),
+    }
+    save_fields(group, history, HISTORY)
+    _fill_window(group, found.window)
+    group.attrs["left_out"] = str(found.left_out)
+    group.attrs["seed"] = found.seed
+    group.attrs["normalisation"] = found.normalisation
 
 
 def run_convergence(job: Job, results: Results, progress: Progress) -> Fill:
@@ -170,10 +177,11 @@ def run_prediction(job: Job, results: Results, progress: Progress) -> Fill:
         progress(number / len(cases), title)
         model = section.bulk if what is system else "auto"
         prediction = heat.prediction.predict(what, T, layer, factors, model)
+        reach = len(prediction.view_factors.to_layers)
         with warnings.catch_warnings():
             # the same inputs once more: the warnings about them have been given
             warnings.simplefilter("ignore", heat.RangeWarning)
-            bound = heat.prediction.largest_wall_radiation_effect(what, T, layer, model, job.layers.count)
+            bound = heat.prediction.largest_wall_radiation_effect(what, T, layer, model, reach)
         found[key] = (title, prediction, bound)
 
     def fill(group: h5py.Group) -> None:
@@ -207,6 +215,9 @@ RUNNERS: Mapping[str, Runner] = {
 
 ORDER = tuple(RUNNERS)
 
+REVISIONS: Mapping[str, int] = dict.fromkeys(RUNNERS, 1)
+"""Raised where a correction changes what a stage gives, so that earlier results of it are not kept."""
+
 
 def _bed(job: Job, results: Results) -> tuple[Packing, np.ndarray[Any, np.dtype[np.float64]]]:
     bed = read(results.path)
@@ -219,6 +230,10 @@ def _system(job: Job, results: Results, section: PredictionSection) -> Any:
     else:
         bed = read(results.path)
         wall, diameter = bed.wall, section.particle_diameter or bed.mean_diameter
+        if np.ptp(bed.radii) > 0.02 * bed.radii.mean():
+            warnings.warn(
+                "the models of the wall layer are for equal spheres; they get the mean diameter", stacklevel=2
+            )
     if not isinstance(wall, Tube) or diameter is None:
         raise ValueError(f"[prediction] is for flow in a tube; the wall is {wall!r}")
     return heat.prediction.System(
@@ -237,16 +252,36 @@ def _measured(job: Job, results: Results, section: PredictionSection) -> Any:
     if job.statistics is None:
         return None
     found = results.read("statistics")
-    distance = _NC_DISTANCES[section.nc_distance]
-    inputs = {
-        "packing_fraction": "packing_fraction",
-        "contacts_per_area": "contacts_per_area",
-        "nc_distance": distance,
-    }
-    values = {name: found[source] for name, source in inputs.items()}
-    # one block gives no error (nan): carried as none
-    errors = {f"{name}_error": float(np.nan_to_num(found[f"{source}_error"])) for name, source in inputs.items()}
+    name = _nc_distance(found, section.nc_distance)
+    inputs = {"packing_fraction": "packing_fraction", "contacts_per_area": "contacts_per_area"}
+    if name is not None:
+        inputs["nc_distance"] = name
+    values = {key: found[source] for key, source in inputs.items()}
+    errors = {f"{key}_error": _known(found[f"{source}_error"], source) for key, source in inputs.items()}
     return heat.prediction.WallLayer(**values, **errors, form="general")
+
+
+def _nc_distance(found: Mapping[str, Any], wanted: str) -> str | None:
+    """Name of the distance to use; None where there are no such particles, so that any distance is as good."""
+    if not found["no_contacts"]:
+        return None
+    name = _NC_DISTANCES[wanted]
+    if np.isnan(found[name]):
+        warnings.warn(
+            f"the statistics give no {name} for this bed (spheres of several sizes, or too few without contact); "
+            "the prediction takes nc_distance_weighted",
+            stacklevel=2,
+        )
+        return "nc_distance_weighted"
+    return name
+
+
+def _known(error: float, name: str) -> float:
+    """A standard error, or a warning and zero where the bed is too short to have one."""
+    if not np.isnan(error):
+        return float(error)
+    warnings.warn(f"no standard error of {name}: the errors of the prediction leave it out", stacklevel=3)
+    return 0.0
 
 
 def _traced(job: Job, results: Results) -> Any:
@@ -254,5 +289,13 @@ def _traced(job: Job, results: Results) -> Any:
     if job.view_factors is None:
         return None
     found = results.read("view_factors")
-    errors = np.hypot(found["layers_error"], np.nan_to_num(found["layers_bed_error"]))
-    return heat.prediction.ViewFactors(found["layers"], errors)
+    layers, beyond = found["layers"], found["beyond"]
+    missing = beyond * (len(layers) + 1)
+    if missing > LARGEST_MISSING * float(layers @ np.arange(1, len(layers) + 1)):
+        warnings.warn(
+            f"{beyond:.3g} of the radiation passes the last of {len(layers)} layers and is missing from the radiative "
+            "conductivity; give [layers] a larger count",
+            stacklevel=2,
+        )
+    bed = [_known(error, f"the bed's scatter of F_w{k + 1}") for k, error in enumerate(found["layers_bed_error"])]
+    return heat.prediction.ViewFactors(layers, np.hypot(found["layers_error"], bed))

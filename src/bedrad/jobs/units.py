@@ -10,10 +10,13 @@ from typing import Annotated, Any
 import pint
 from pydantic import BeforeValidator
 
-__all__ = ["Conductivity", "Density", "Length", "Stiffness", "Temperature", "Velocity", "quantity"]
+__all__ = ["Conductivity", "Density", "Length", "Stiffness", "Temperature", "Velocity", "quantity", "shortened"]
 
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-zµμ°][A-Za-z0-9µμ°/^*() -]*)")
 _POWER = re.compile(r"(?<=[A-Za-z)])(?:\^|\*\*)-?[1-9](?![0-9])")
+
+_LONGEST = 60
+"""Characters that a quantity may have, and that a message shows of something else."""
 
 _EXAMPLES = {
     "m": "600 um",
@@ -22,6 +25,7 @@ _EXAMPLES = {
     "kg/m^3": "3800 kg/m^3",
     "N/m": "100 N/m",
     "W/(m K)": "2.1 W/(m K)",
+    "1/m^2": "1.9 mm^-2",
 }
 
 
@@ -46,27 +50,32 @@ def quantity(text: object, unit: str) -> float:
         If there is no number, no unit, an unknown one, or one of another dimension. The message gives an example.
     """
     expected = f"expected a number with a unit, such as {_EXAMPLES.get(unit, f'1 {unit}')!r}"
-    match = _QUANTITY.fullmatch(text) if isinstance(text, str) else None
+    shown = shortened(text)
+    match = _QUANTITY.fullmatch(text) if isinstance(text, str) and len(text) <= _LONGEST else None
     if match is None:
-        raise ValueError(f"{text!r} is not a quantity; {expected}")
+        raise ValueError(f"{shown} is not a quantity; {expected}")
     number, given = match[1], match[2].strip()
     registry = _registry()
     # W/(m K): a blank between units means a product
-    written = re.sub(
-        r"(?<=[A-Za-z0-9)])\s+(?=[A-Za-z(])", " * ", re.sub("[µμ]", "u", given).replace("°C", "degC")
-    )
+    written = re.sub(r"(?<=[A-Za-z0-9)])\s+(?=[A-Za-z(])", " * ", re.sub("[µμ]", "u", given).replace("°C", "degC"))
     try:
         # pint works out numbers too: a tower of powers such as 9^9^9 would never end
         if re.search("[0-9]", _POWER.sub("", written)):
             raise ValueError
         value = float(registry.Quantity(float(number), written).to(unit.replace(" ", " * ")).magnitude)
     except pint.DimensionalityError:
-        raise ValueError(f"{text!r} has the wrong kind of unit; {expected}") from None
+        raise ValueError(f"{shown} has the wrong kind of unit; {expected}") from None
     except Exception:
-        raise ValueError(f"{text!r} has an unknown unit {given!r}; {expected}") from None
+        raise ValueError(f"{shown} has an unknown unit {given!r}; {expected}") from None
     if not math.isfinite(value):
-        raise ValueError(f"{text!r} is not a finite quantity; {expected}")
+        raise ValueError(f"{shown} is not a finite quantity; {expected}")
     return value
+
+
+def shortened(value: object) -> str:
+    """Value as Python writes it, cut off where it is too long for a message."""
+    written = repr(value)
+    return written if len(written) <= _LONGEST + 2 else f"{written[:_LONGEST]}..."
 
 
 def _reader(unit: str) -> BeforeValidator:

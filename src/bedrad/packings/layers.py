@@ -19,6 +19,7 @@ from bedrad.packings.packing import END_MARGIN, Packing
 from bedrad.walls import Plate, Tube, Wall, Window
 
 __all__ = [
+    "block_count",
     "check_edges",
     "check_window",
     "layer_areas",
@@ -29,6 +30,9 @@ __all__ = [
 ]
 
 FloatArray = NDArray[np.float64]
+
+SHORTEST_BLOCK = 2.0
+"""Shortest axial block, in mean diameters; shorter ones would share their particles with the next."""
 IntArray = NDArray[np.int64]
 
 ROUNDING = 1e-12
@@ -120,6 +124,13 @@ def check_window(packing: Packing, window: Window | None = None, margin: float =
         if period and interval[1] - interval[0] > period * (1.0 + ROUNDING):
             raise ValueError(f"the {name} window {interval} m is longer than the period of {period:.6g} m")
     return window
+
+
+def block_count(packing: Packing, window: Window, most: int = 8) -> int:
+    """Number of axial blocks for errors: at most `most`, each at least `SHORTEST_BLOCK` mean diameters long."""
+    if not len(packing):
+        return 1
+    return int(min(most, max(1, window.length // (SHORTEST_BLOCK * packing.mean_diameter))))
 
 
 def layer_volumes(

@@ -43,7 +43,7 @@ def pair_overlaps(
     Returns
     -------
     first, second : (m,) arrays
-        Sphere numbers of each pair.
+        Sphere numbers of each pair, the smaller one first.
     depth : (m,) array
         Sum of the radii minus the distance of the centres, positive. [m]
     """
@@ -59,8 +59,8 @@ def pair_overlaps(
             first, second = in_a[found["i"]], in_b[found["j"]]
             depth = radii[first] + radii[second] - found["v"]
             keep = (depth > 0.0) & (first != second) & ((b != a) | (first < second))
-            firsts.append(first[keep])
-            seconds.append(second[keep])
+            firsts.append(np.minimum(first, second)[keep])
+            seconds.append(np.maximum(first, second)[keep])
             depths.append(depth[keep])
     if not firsts:
         return np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0)

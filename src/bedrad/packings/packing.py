@@ -151,24 +151,28 @@ class Packing:
         Parameters
         ----------
         margin : float
-            What is left out at each open end, in mean particle diameters.
+            What is left out at each open end, in mean particle diameters; a margin of 1 or more leaves
+            out at least the largest diameter.
 
         Raises
         ------
         ValueError
-            If nothing is left.
+            If the margin is negative or not finite, or nothing is left.
         """
+        if not (math.isfinite(margin) and margin >= 0):
+            raise ValueError(f"margin is {margin}; expected a number of mean diameters that is not negative")
         axes = (self.wall.axial,) if not isinstance(self.wall, Plate) else (0, 1)
         ranges = []
         for axis in axes:
             low, high = self.extent(axis)
             if not self.box[axis]:
-                cut = margin * self.mean_diameter
+                # the ends disturb at least the spheres that touch them, however small the mean
+                cut = max(margin * self.mean_diameter, min(margin, 1.0) * 2.0 * float(self.radii.max()))
                 if high - low <= 2 * cut:
                     raise ValueError(
                         f"the bed is {high - low:.6g} m long in {'xyz'[axis]}; leaving out {margin:g} mean "
-                        f"diameters ({cut:.6g} m) at each end leaves nothing to measure: give a taller bed or a "
-                        "smaller margin"
+                        f"diameters ({cut:.6g} m) at each end leaves nothing to measure: "
+                        "give a taller bed or a smaller margin"
                     )
                 low, high = low + cut, high - cut
             ranges.append((low, high))

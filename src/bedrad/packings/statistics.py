@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bedrad.packings.estimates import Estimates, Measure, blocks_of, estimates_with_errors, tally
-from bedrad.packings.layers import check_edges, check_window, layer_edges
+from bedrad.packings.layers import block_count, check_edges, check_window, layer_edges
 from bedrad.packings.packing import END_MARGIN, Packing
 from bedrad.packings.wall_contacts import overlap_share
 from bedrad.walls import Wall, Window
@@ -169,7 +169,7 @@ def statistics(
     edges: ArrayLike | None = None,
     contact_gap: float = 1e-2,
     window: Window | None = None,
-    blocks: int = 8,
+    blocks: int | None = None,
     margin: float = END_MARGIN,
     profile_depths: ArrayLike | None = None,
 ) -> Statistics:
@@ -193,8 +193,9 @@ def statistics(
         Gap, in a particle's own radii, up to which it counts as touching the wall.
     window : Window, optional
         The piece of wall to measure; `packing.window(margin)` where not given.
-    blocks : int
-        Number of blocks for the standard errors; with 1, the errors are nan.
+    blocks : int, optional
+        Number of blocks for the standard errors; as many as `layers.block_count` says if not given. With 1, the
+        errors are nan.
     margin : float
         What the window leaves out at each open end, in mean particle diameters.
     profile_depths : (bins + 1,) array, optional
@@ -215,16 +216,17 @@ def statistics(
     start = time.perf_counter()
     if not (math.isfinite(contact_gap) and contact_gap >= 0.0):
         raise ValueError(f"contact_gap is {contact_gap}; expected a number of radii, zero or more")
-    if blocks < 1:
+    if blocks is not None and blocks < 1:
         raise ValueError(f"blocks is {blocks}; expected at least 1")
     if not len(packing):
         raise ValueError("the packing is empty; there is nothing to measure")
     measure = _measure(packing, edges, contact_gap, check_window(packing, window, margin), profile_depths)
-    block = blocks_of(packing, measure.window, blocks)
+    parts = block_count(packing, measure.window) if blocks is None else blocks
+    block = blocks_of(packing, measure.window, parts)
     inside = block >= 0
     if not inside.any():
         raise ValueError(f"no sphere has its centre in the window {measure.window}")
-    sums = tally(packing, measure, block, blocks)
+    sums = tally(packing, measure, block, parts)
     values, errors = estimates_with_errors(measure, sums)
     reaches = packing.depths - packing.radii < measure.edges[-1]
     return Statistics(
@@ -240,7 +242,7 @@ def statistics(
         mean_diameter=packing.mean_diameter,
         window=measure.window,
         contact_gap=float(contact_gap),
-        blocks=blocks,
+        blocks=parts,
         overlap_share=overlap_share(packing, inside & reaches, reaches),
         left_out={"outside_window": int((~inside).sum()), "deeper": int((inside & ~reaches).sum())},
         seconds=time.perf_counter() - start,

@@ -115,7 +115,7 @@ def convergence(
         raise ValueError(f"seeds is {seeds}; expected at least 2")
     begin = time.perf_counter()
     steps = [n for n in (rays >> k for k in range(64)) if n >= 256 * SCRAMBLINGS][::-1] or [rays]
-    work = reference_rays + seeds * sum(steps)
+    work = steps[0] + reference_rays + seeds * sum(steps)
     done = 0
 
     def report(text: str) -> None:
@@ -144,7 +144,7 @@ def convergence(
     estimates = np.array([[_row(f)[0] for f in runs] for runs in found])
     stated = np.array([[_row(f)[1] for f in runs] for runs in found])
     true_error = np.sqrt(((estimates - mean) ** 2).mean(axis=0))
-    exponent, exponent_error = _slopes(np.array(steps), true_error)
+    exponent, exponent_error = _slopes(np.array([f.rays for f in found[0]]), true_error)
     return Convergence(
         names=(*(f"layer {k + 1}" for k in range(len(reference.layers))), "beyond", "wall", "escaped"),
         rays=np.array([f.rays for f in found[0]]),

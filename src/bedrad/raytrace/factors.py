@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bedrad.walls import Window
 
-__all__ = ["LeftOut", "Step", "ViewFactors"]
+__all__ = ["LeftOut", "Step", "ViewFactors", "fold_leakage", "standard_error"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -89,6 +89,8 @@ class ViewFactors:
         Estimates, errors and run time after every round.
     scramblings : (n, layers + 3) array
         The shares found by each scrambling: the layers, beyond, wall, escaped.
+    block_shares : (blocks, layers + 3) array
+        The same of each axial block.
     normalisation : str
         "none", or the convention that `normalised` applied.
     """
@@ -114,6 +116,7 @@ class ViewFactors:
     left_out: LeftOut
     history: tuple[Step, ...]
     scramblings: FloatArray
+    block_shares: FloatArray
     normalisation: str = "none"
 
     @classmethod
@@ -142,9 +145,10 @@ class ViewFactors:
         by_block = counts.sum(axis=0)
         in_block = by_block.sum(axis=1, keepdims=True)
         filled = in_block[:, 0] > 0
-        bed = _standard_error(by_block[filled] / in_block[filled])
+        block_shares = by_block[filled] / in_block[filled]
+        bed = standard_error(block_shares)
         scramblings = counts.sum(axis=1) / totals[:, None]
-        mean, error = scramblings.mean(axis=0), _standard_error(scramblings)
+        mean, error = scramblings.mean(axis=0), standard_error(scramblings)
         n = len(mean) - 3
         return cls(
             layers=mean[:n],
@@ -168,6 +172,7 @@ class ViewFactors:
             left_out=left_out,
             history=history,
             scramblings=scramblings,
+            block_shares=block_shares,
         )
 
     def normalised(self, convention: str) -> ViewFactors:
@@ -186,19 +191,14 @@ class ViewFactors:
         """
         if convention != "watkins":
             raise ValueError(f"convention is {convention!r}; expected 'watkins'")
-        n = len(self.layers)
-        met = float(self.layers.sum())
-        if met == 0.0:
-            raise ValueError("no ray met a layer; the view factors cannot be made to sum to one over the layers")
-        # the error of a ratio of means: linearise each scrambling's share around the mean
-        layers = self.scramblings[:, :n]
-        ratio = self.layers / met
-        shares = ratio + (layers - ratio * layers.sum(axis=1, keepdims=True)) / met
+        count = len(self.layers)
+        ratio, by_scrambling = fold_leakage(self.scramblings, count)
+        _, by_block = fold_leakage(self.block_shares, count)
         return replace(
             self,
             layers=ratio,
-            layers_error=_standard_error(shares),
-            layers_bed_error=self.layers_bed_error / met,
+            layers_error=standard_error(by_scrambling),
+            layers_bed_error=standard_error(by_block),
             beyond=0.0,
             beyond_error=0.0,
             beyond_bed_error=0.0,
@@ -217,15 +217,49 @@ class ViewFactors:
         rows += [(n, getattr(self, n), getattr(self, f"{n}_error"), getattr(self, f"{n}_bed_error"))
                  for n in ("beyond", "wall", "escaped")]  # fmt: skip
         lines = [f"{'from the wall to':<18}{'view factor':>14}{'± rays':>12}{'± bed':>12}"]
-        lines += [f"{name:<18}{f:>14.6f}{e:>12.1e}{b:>12.1e}" for name, f, e, b in rows]
+        for name, f, e, b in rows:
+            # no hit is not no error: with 95 % confidence the share is below three over the number of rays
+            rays = f"< {3 / self.rays:.0e}" if f == 0.0 and self.normalisation == "none" else f"{e:.1e}"
+            lines.append(f"{name:<18}{f:>14.6f}{rays:>12}{b:>12.1e}")
         rate = self.rays / max(self.seconds - self.setup_seconds, 1e-9)
         lines.append(f"{self.rays:,} rays in {self.seconds:.2f} s ({rate / 1e6:.1f} million a second)")
         lines.append(f"left out: {self.left_out}")
         return "\n".join(lines)
 
 
-def _standard_error(samples: FloatArray) -> FloatArray:
+def standard_error(samples: FloatArray) -> FloatArray:
     """Standard error of the mean of independent samples along the first axis; nan where there is only one."""
     if len(samples) < 2:
         return np.full(samples.shape[1], np.nan)
     return np.asarray(samples.std(axis=0, ddof=1) / np.sqrt(len(samples)))
+
+
+def fold_leakage(samples: FloatArray, layers: int) -> tuple[FloatArray, FloatArray]:
+    """Make the layers alone sum to one, the rest spread over them in proportion.
+
+    Parameters
+    ----------
+    samples : (n, layers + 3) array
+        Shares found by independent samples (scramblings or blocks): the layers, beyond, wall, escaped.
+    layers : int
+        Number of layers.
+
+    Returns
+    -------
+    ratio : (layers,) array
+        Share of each layer in what met a layer.
+    linearised : (n, layers) array
+        Samples whose scatter is that of the ratio: each sample's deviation, linearised around the mean.
+
+    Raises
+    ------
+    ValueError
+        If no ray met a layer.
+    """
+    to_layers = samples[:, :layers]
+    mean = to_layers.mean(axis=0)
+    met = float(mean.sum())
+    if met == 0.0:
+        raise ValueError("no ray met a layer; the view factors cannot be made to sum to one over the layers")
+    ratio = mean / met
+    return ratio, ratio + (to_layers - ratio * to_layers.sum(axis=1, keepdims=True)) / met

@@ -1,7 +1,8 @@
 """Ray kernels: from a point on the wall to the first sphere or back to the wall, on exact spheres.
 
-All kernels are pure: arrays and scalars in, results out. They release the interpreter lock, so that several threads
-run the same compiled code on different rays; counts are integers, so that their sums do not depend on the order.
+Arrays and scalars in, results out or into the arrays given for them; no state is kept. They release the interpreter
+lock, so that several threads run the same compiled code on different rays; counts are integers, so that their sums do
+not depend on the order.
 """
 
 from __future__ import annotations

@@ -74,11 +74,6 @@ class Scene:
         """Largest number of spheres of one cell."""
         return int(np.diff(self.starts).max())
 
-    @property
-    def memory(self) -> int:
-        """Size of the grid. [bytes]"""
-        return int(self.starts.nbytes + self.columns.nbytes)
-
 
 def build_scene(packing: Packing, edges: FloatArray, window: Window, reach: float) -> Scene:
     """Put the spheres that reach less deep than `reach` into a grid.

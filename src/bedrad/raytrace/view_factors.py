@@ -12,9 +12,9 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bedrad.packings.layers import layer_edges
+from bedrad.packings.layers import block_count, check_edges, check_window, layer_edges
 from bedrad.packings.packing import Packing
-from bedrad.raytrace.factors import LeftOut, Step, ViewFactors
+from bedrad.raytrace.factors import LeftOut, Step, ViewFactors, standard_error
 from bedrad.raytrace.kernels import PLATE, ROD, TUBE, trace
 from bedrad.raytrace.sampling import MOST_POINTS, SobolStreams
 from bedrad.raytrace.scene import Scene, build_scene
@@ -35,8 +35,11 @@ FIRST_POINTS = 2**10
 EXTRA_REACH = 4.0
 """How far beyond the last edge the first grid of a tube reaches, in mean radii."""
 
-SHORTEST_BLOCK = 2.0
-"""Shortest axial block, in mean diameters; shorter ones would share their particles with the next."""
+EXPONENT = 0.56
+"""Power of the number of rays with which the error falls, as measured on settled beds."""
+
+SURE_ROUNDS = 4
+"""Rounds after which the error is known well enough to say what a tolerance will take."""
 
 _KINDS = {"tube": TUBE, "rod": ROD, "plate": PLATE}
 
@@ -96,8 +99,8 @@ def view_factors(
     begin = time.perf_counter()
     depth_edges = _check_edges(packing, edges)
     target, wanted = _check_effort(tolerance, rays)
-    measured = packing.window() if window is None else window
-    parts = _block_count(packing, measured) if blocks is None else blocks
+    measured = check_window(packing, window)
+    parts = block_count(packing, measured) if blocks is None else blocks
     tracer = _Tracer(packing, depth_edges, measured, parts)
     setup = time.perf_counter() - begin
     streams = SobolStreams(seed, SCRAMBLINGS)
@@ -111,8 +114,7 @@ def view_factors(
             history.append(_step(counts, done, time.perf_counter() - begin))
             if target is None or (history[-1].largest_error <= target and 3.0 / (done * SCRAMBLINGS) <= target):
                 break
-            if 2 * done > MOST_POINTS:
-                raise ValueError(f"the tolerance {target:g} needs more than {MOST_POINTS * SCRAMBLINGS} rays")
+            _check_reach(history, target)
             following = 2 * done
     return ViewFactors.from_counts(
         counts,
@@ -133,14 +135,10 @@ def view_factors(
 def _check_edges(packing: Packing, edges: ArrayLike | None) -> FloatArray:
     if edges is None:
         return layer_edges(packing)
-    e = np.array(edges, dtype=np.float64)
-    if e.ndim != 1 or len(e) < 2 or e[0] != 0.0 or not np.isfinite(e).all() or not (np.diff(e) > 0).all():
-        raise ValueError(f"edges is {e.tolist()}; expected at least two ascending depths in metres, the first 0")
-    if e[-1] > packing.wall.largest_depth:
-        raise ValueError(
-            f"the last edge, {e[-1]:.6g} m, is deeper than the tube's axis at {packing.wall.largest_depth:.6g} m"
-        )
-    return e
+    checked = check_edges(edges, packing.wall)
+    if checked[0] != 0.0:
+        raise ValueError(f"edges are {checked.tolist()} m; the first must be 0, the wall itself")
+    return checked
 
 
 def _check_effort(tolerance: float | None, rays: int | None) -> tuple[float | None, int]:
@@ -156,17 +154,23 @@ def _check_effort(tolerance: float | None, rays: int | None) -> tuple[float | No
     return target, 0
 
 
-def _block_count(packing: Packing, window: Window) -> int:
-    if not len(packing):
-        return 1
-    return int(min(8, max(1, window.length // (SHORTEST_BLOCK * packing.mean_diameter))))
-
-
 def available_processors() -> int:
     """Number of processors that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def _check_reach(history: list[Step], target: float) -> None:
+    """Refuse a tolerance as soon as it is clear that it takes more rays than there are points."""
+    last, most = history[-1], MOST_POINTS * SCRAMBLINGS
+    needed = last.rays * max((last.largest_error / target) ** (1 / EXPONENT), 3.0 / (target * last.rays), 2.0)
+    # the first rounds say little about the error
+    if needed > most and (len(history) >= SURE_ROUNDS or 2 * last.rays > most):
+        raise ValueError(
+            f"tolerance {target:g} would take about {needed:.0e} rays, more than the {most:.0e} there are; "
+            f"after {last.rays:,} rays the largest standard error is {last.largest_error:.1e}"
+        )
 
 
 class _Tracer:
@@ -179,7 +183,7 @@ class _Tracer:
         self.kind = _KINDS[packing.wall.kind]
         self.wall_radius = 0.0 if isinstance(packing.wall, Plate) else packing.wall.radius
         lateral = window.lateral or (0.0, 0.0)
-        self.window = np.array([window.axial[0], window.length, lateral[0], lateral[1] - lateral[0]])
+        self.window = np.array([window.axial[0], window.length, lateral[0], lateral[1] - lateral[0]], dtype=float)
         reach = float(edges[-1])
         if isinstance(packing.wall, Tube):
             # nothing at all stands in the way of the grid of the whole bed where it would not be larger
@@ -255,16 +259,16 @@ class _Workers:
 
 
 def _share(history: list[Step], target: float | None) -> tuple[float, float]:
-    """Share of the whole effort before and after the coming round, by the scaling of the error with rays^-0.56."""
+    """Share of the whole effort before and after the coming round, by the power law of the error."""
     if target is None:
         return 0.0, 1.0
     if not history:
         return 0.0, 0.0
-    needed = max((history[-1].largest_error / target) ** (1 / 0.56), 1.0)
+    needed = max((history[-1].largest_error / target) ** (1 / EXPONENT), 1.0)
     return min(1.0 / needed, 1.0), min(2.0 / needed, 1.0)
 
 
 def _step(counts: IntArray, points: int, seconds: float) -> Step:
     shares = counts.sum(axis=1) / points
-    errors = shares.std(axis=0, ddof=1) / math.sqrt(len(shares))
+    errors = standard_error(shares)
     return Step(rays=points * len(shares), seconds=seconds, estimates=shares.mean(axis=0), errors=errors)

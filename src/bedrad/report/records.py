@@ -6,7 +6,6 @@ import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,8 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from bedrad.heat import correlations, wall_layer
 from bedrad.heat.radiation import WATKINS_FACTORS
 from bedrad.jobs.results import Results, StageData
-from bedrad.raytrace.factors import LeftOut, ViewFactors
-from bedrad.walls import Window
+from bedrad.raytrace.factors import fold_leakage, standard_error
 
 __all__ = [
     "CorrelatedLayer",
@@ -116,7 +114,9 @@ class CorrelatedLayer:
 
 
 def load(results: Results) -> Record:
-    """Read all finished stages of a results file.
+    """Read the finished stages of a results file that its job asks for.
+
+    The file may hold others from an earlier job with the same file; they say nothing about this one.
 
     Raises
     ------
@@ -124,8 +124,9 @@ def load(results: Results) -> Record:
         If the file is missing or is not a bedrad results file.
     """
     attributes = results.attributes()
-    name = json.loads(attributes["job"]).get("name", "bedrad job")
-    return Record(str(name), attributes, {stage: results.read(stage) for stage in results.digests()})
+    job = json.loads(attributes["job"])
+    wanted = [stage for stage in results.digests() if job.get(stage) is not None]
+    return Record(str(job.get("name", "bedrad job")), attributes, {stage: results.read(stage) for stage in wanted})
 
 
 def celsius(temperature: ArrayLike) -> FloatArray:
@@ -199,7 +200,7 @@ def targets(data: StageData) -> Iterator[Target]:
         The stage "view_factors".
     """
     edges, layers = data["edges"], data["layers"]
-    folded = _normalised(data)
+    folded, folded_ray_error, folded_bed_error = _normalised(data)
     for k, factor in enumerate(layers):
         yield Target(
             name=f"layer {k + 1}",
@@ -208,9 +209,9 @@ def targets(data: StageData) -> Iterator[Target]:
             factor=float(factor),
             ray_error=float(data["layers_error"][k]),
             bed_error=float(data["layers_bed_error"][k]),
-            watkins=math.nan if folded is None else float(folded.layers[k]),
-            watkins_ray_error=math.nan if folded is None else float(folded.layers_error[k]),
-            watkins_bed_error=math.nan if folded is None else float(folded.layers_bed_error[k]),
+            watkins=float(folded[k]),
+            watkins_ray_error=float(folded_ray_error[k]),
+            watkins_bed_error=float(folded_bed_error[k]),
             published=WATKINS_FACTORS[k] if k < len(WATKINS_FACTORS) else math.nan,
         )
     depths = {"beyond": (float(edges[-1]), math.nan), "wall": (0.0, 0.0), "escaped": (math.nan, math.nan)}
@@ -219,25 +220,15 @@ def targets(data: StageData) -> Iterator[Target]:
         yield Target(name, near, far, *found, math.nan, math.nan, math.nan, math.nan)
 
 
-def _normalised(data: StageData) -> ViewFactors | None:
-    """The layers in the convention of Watkins (2018); None where no ray met a layer."""
+def _normalised(data: StageData) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The layers in the convention of Watkins (2018), with errors of rays and bed; nan where no ray met a layer."""
+    count = len(data["layers"])
     if not float(data["layers"].sum()) > 0.0:
-        return None
-    names = [f"{n}{suffix}" for n in ("layers", "wall", "beyond", "escaped") for suffix in ("", "_error", "_bed_error")]
-    values: dict[str, Any] = {name: data[name] for name in names}
-    # the convention needs the shares of the scramblings only; the rest of the record is filled up
-    return ViewFactors(
-        **values,
-        edges=data["edges"],
-        window=Window((0.0, 1.0)),
-        rays=data["rays"],
-        seconds=data["seconds"],
-        setup_seconds=data["setup_seconds"],
-        seed=0,
-        left_out=LeftOut(0, 0, math.nan),
-        history=(),
-        scramblings=data["scramblings"],
-    ).normalised("watkins")
+        none = np.full(count, math.nan)
+        return none, none, none
+    ratio, by_scrambling = fold_leakage(data["scramblings"], count)
+    _, by_block = fold_leakage(data["block_shares"], count)
+    return ratio, standard_error(by_scrambling), standard_error(by_block)
 
 
 def correlated_layer(prediction: StageData | None) -> CorrelatedLayer | None:

@@ -1,0 +1,192 @@
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import h5py
+import numpy as np
+import pytest
+
+import bedrad
+from bedrad.jobs.results import Results
+from jobs.small_job import JOB, STAGES, WALL, ring_bed, stub_stages, write_job
+
+PREDICT = ("predict", "--tube", "7.75mm", "--diameter", "300um", "--velocity", "0.058m/s")
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory):
+    """A folder in which a job ran, in a process of its own: folder, exit code, output, error stream."""
+    folder = tmp_path_factory.mktemp("ran")
+    job = write_job(folder, JOB.replace("[prediction]", "[prediction]\npublished_systems = false"))
+    done = in_a_process("run", job, "-o", folder / "out" / "r.h5")
+    return folder, done
+
+
+def in_a_process(*words, **options):
+    code = "import sys; from bedrad.cli import main; sys.exit(main())"
+    return subprocess.run(
+        [sys.executable, "-c", code, *map(str, words)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        env=os.environ | {"COLUMNS": "120"},
+        **options,
+    )
+
+
+def test_a_job_leaves_results_and_tables_and_tells_of_them(ran):
+    folder, done = ran
+    assert done.returncode == 0, done.stderr
+    written = sorted(folder.joinpath("out").iterdir())
+    assert folder / "out" / "r.h5" in written
+    assert {"r_prediction.csv", "r_view_factors.csv", "r_statistics.csv"} <= {file.name for file in written}
+    assert sorted(re.findall(r"wrote (.*)", done.stdout)) == [str(file) for file in written]
+    assert "rings" in done.stdout
+    # every stage ends its bar, and nothing is warned about
+    assert len(re.findall(r"100% .*done", done.stderr)) == len(STAGES)
+    assert "warning" not in done.stderr
+
+
+def test_the_same_job_again_computes_nothing(ran, call, monkeypatch):
+    folder, _ = ran
+    stub_stages(monkeypatch, **dict.fromkeys(STAGES, AssertionError("a stage ran")))
+    before = (folder / "out" / "r.h5").read_bytes()
+    code, _, err = call("run", folder / "job.toml", "-o", folder / "out" / "r.h5")
+    assert code == 0
+    assert sum("kept from an earlier run" in line for line in err) == len(STAGES)
+    assert (folder / "out" / "r.h5").read_bytes() == before
+
+
+def test_figures_without_matplotlib_are_refused_before_anything_runs(ran, call, monkeypatch):
+    folder, _ = ran
+    (folder / "figures.toml").write_text((folder / "job.toml").read_text().replace("figures = false", "figures = true"))
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    code, out, err = call("run", folder / "figures.toml", "-o", folder / "out" / "r.h5")
+    assert code == 1
+    assert err == ['bedrad: matplotlib is not installed; install it with: pip install "bedrad[view]"']
+    assert out == ""
+    assert set(Results(folder / "out" / "r.h5").digests()) == set(STAGES)
+
+
+def test_a_dry_run_says_what_would_run_and_why_and_writes_nothing(ran, call):
+    folder, _ = ran
+    shorter = (folder / "job.toml").read_text().replace("0.016 m/s", "0.02 m/s")
+    shorter = re.sub(r"\[convergence\][^\[]*", "", shorter)
+    (folder / "other.toml").write_text(shorter)
+    before = {file: file.stat().st_mtime_ns for file in folder.rglob("*")}
+    code, out, err = call("run", folder / "other.toml", "-o", folder / "out" / "r.h5", "--dry-run")
+    assert (code, err) == (0, [])
+    lines = [line.split(maxsplit=2) for line in out.splitlines()]
+    assert [line[:2] for line in lines[:4]] == [
+        ["kept", "packing"],
+        ["kept", "statistics"],
+        ["kept", "view_factors"],
+        ["run", "prediction"],
+    ]
+    assert lines[4] == [
+        "left",
+        "out",
+        "convergence   the job has no [convergence]; the results file keeps its earlier one",
+    ]
+    assert lines[5][0] == "results"
+    assert {file: file.stat().st_mtime_ns for file in folder.rglob("*")} == before
+    code, out, _ = call("run", folder / "other.toml", "-o", folder / "new" / "r.h5", "--dry-run")
+    assert (code, out.count("run  ")) == (0, 4)
+    assert not (folder / "new").exists()
+
+
+@pytest.mark.parametrize(
+    ("command", "stage"), [("statistics", "statistics"), ("view-factors --rays 4096", "view_factors")]
+)
+def test_a_single_command_prints_and_saves_what_python_gives(call, bed, tmp_path, command, stage):
+    name, *options = command.split()
+    code, out, _ = call(name, bed, *options, "-o", tmp_path / "r.h5")
+    assert code == 0
+    assert out.endswith(f"wrote {tmp_path / 'r.h5'}\n")
+    packing = bedrad.read(bed)
+    direct = bedrad.statistics(packing) if stage == "statistics" else bedrad.view_factors(packing, rays=4096)
+    wanted = "packing_fractions" if stage == "statistics" else "layers"
+    with h5py.File(tmp_path / "r.h5") as file:
+        np.testing.assert_array_equal(file[stage][wanted][()], getattr(direct, wanted))
+    # all but the last lines, which tell the run time
+    assert str(direct).splitlines()[:7] == out.splitlines()[:7]
+
+
+def test_dry_runs_of_single_commands_read_and_write_nothing(call, bed, no_lammps):
+    before = sorted(bed.parent.iterdir())
+    for command in ("statistics", "view-factors"):
+        code, out, _ = call(command, bed, "--dry-run", "-o", bed.parent / "r.h5")
+        assert code == 0
+        assert out.splitlines()[0] == str(ring_bed())
+        assert "layers    0, 0.0003, 0.0009, 0.0015 m deep" in out
+    code, out, _ = call(
+        "settle", "--tube", "7.74mm", "--height", "3mm", "--size", "500 um:0.3", "--size", "600 um:0.7", "--dry-run"
+    )
+    assert code == 0
+    assert out
+    assert sorted(bed.parent.iterdir()) == before
+
+
+def test_a_wall_given_on_the_command_line_is_taken(call, tmp_path):
+    # the file names no wall
+    path = tmp_path / "bed.csv"
+    bedrad.write(ring_bed(), path)
+    path.write_text("".join(line for line in path.read_text().splitlines(True) if not line.startswith("#")))
+    code, out, _ = call("statistics", path, "--tube", f"{2e3 * WALL.radius!r} mm", "--dry-run")
+    assert code == 0
+    assert f"wall={WALL!r}" in out
+
+
+def test_a_prediction_is_printed(call):
+    code, out, err = call(*PREDICT, "--temperature", "100degC", "--temperature", "1100 degC")
+    assert (code, err) == (0, [])
+    header, columns, *rows = out.splitlines()
+    assert header.startswith("tube: D 7.75 mm, d 300 um, A 25.83, U 0.058 m/s")
+    assert columns.split()[:2] == ["T_w", "[K]"]
+    assert [row.split()[0] for row in rows] == ["373.15", "1373.15"]
+    # a measured wall layer and measured view factors change it
+    measured = ("--packing-fraction", "0.4", "--contacts-per-area", "5 mm^-2", "--view-factor", "0.9")
+    assert call(*PREDICT, "--temperature", "100degC", *measured)[1].splitlines()[2] != rows[0]
+
+
+# Real processes
+
+
+def test_exit_codes_reach_the_shell(tmp_path):
+    done = in_a_process("statistics", tmp_path / "no.h5")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"bedrad: {tmp_path / 'no.h5'}: no such file\n"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of Unix")
+def test_ctrl_c_while_rays_are_traced_keeps_what_was_finished(tmp_path):
+    # minutes of rays
+    job = write_job(tmp_path, JOB.replace("rays = 4096", "tolerance = 6e-6"))
+    code = "import sys; from bedrad.cli import main; sys.exit(main())"
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, "run", str(job), "-o", str(tmp_path / "r.h5")],
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    results, deadline = Results(tmp_path / "r.h5"), time.monotonic() + 100
+    while "statistics" not in results.digests():
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    # well into the tracing
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 130, err
+    assert out == ""
+    assert err.splitlines()[-1] == "bedrad: interrupted; what was finished is kept"
+    assert "Traceback" not in err
+    assert set(results.digests()) == {"packing", "statistics"}
+    assert {file.name for file in tmp_path.iterdir()} == {"bed.h5", "job.toml", "r.h5"}
