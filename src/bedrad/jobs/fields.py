@@ -47,7 +47,7 @@ VIEW_FACTORS: Mapping[str, Field] = {
     "block_shares": ("1", "shares found in each axial block: layers, beyond, wall, escaped"),
     "rays": ("1", "number of rays"),
     "seconds": ("s", "run time"),
-    "setup_seconds": ("s", "of this, to build the grid"),
+    "setup_seconds": ("s", "of this, to build the grid and, on first use, to compile"),
 }
 
 HISTORY: Mapping[str, Field] = {

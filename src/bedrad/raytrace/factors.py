@@ -80,7 +80,7 @@ class ViewFactors:
     rays : int
         Number of rays.
     seconds, setup_seconds : float
-        Run time in all, and what of it went into the grid. [s]
+        Run time in all, and what of it went into the grid and, on first use, into compiling. [s]
     seed : int
         Seed of the scramblings.
     left_out : LeftOut

@@ -16,7 +16,7 @@ from bedrad.packings.layers import block_count, check_edges, check_window, layer
 from bedrad.packings.packing import Packing
 from bedrad.raytrace.factors import LeftOut, Step, ViewFactors, standard_error
 from bedrad.raytrace.kernels import PLATE, ROD, TUBE, trace
-from bedrad.raytrace.sampling import MOST_POINTS, SobolStreams
+from bedrad.raytrace.sampling import DIMENSIONS, MOST_POINTS, SobolStreams
 from bedrad.raytrace.scene import Scene, build_scene
 from bedrad.walls import Plate, Tube, Window
 
@@ -102,6 +102,8 @@ def view_factors(
     measured = check_window(packing, window)
     parts = block_count(packing, measured) if blocks is None else blocks
     tracer = _Tracer(packing, depth_edges, measured, parts)
+    # no rays: compiles the kernels on their first use, so that the rate of the rays is theirs alone
+    tracer.count(np.empty((0, DIMENSIONS)), np.zeros((parts, len(depth_edges) + 2), np.int64))
     setup = time.perf_counter() - begin
     streams = SobolStreams(seed, SCRAMBLINGS)
     counts = np.zeros((SCRAMBLINGS, parts, len(depth_edges) + 2), np.int64)
