@@ -18,28 +18,24 @@ from cyclopts import App, Parameter
 from bedrad import __version__
 from bedrad.command_options import (
     OUTPUT,
+    BedOptions,
     Conductivity,
     Density,
     DryRun,
-    IsPlate,
     Length,
     Output,
     PerArea,
-    RodDiameter,
     Seed,
     Stiffness,
     Temperature,
-    TubeDiameter,
     Velocity,
     check_bed_output,
     check_output,
-    describe,
     ended_like_ctrl_c,
     fail,
     list_files,
     parse_size,
     progress_bars,
-    read_bed,
     save,
     say,
     warning_printer,
@@ -122,7 +118,7 @@ def settle(
     height: Length,
     diameter: Length | None = None,
     size: Annotated[tuple[str, ...], Parameter(negative=())] = (),
-    seed: Seed = 0,
+    seed: Seed = 1,
     density: Density = 3800.0,
     friction: float = 0.4,
     wall_friction: float | None = None,
@@ -200,13 +196,7 @@ def statistics(
     file: Path,
     /,
     *,
-    tube: TubeDiameter = None,
-    rod: RodDiameter = None,
-    plate: IsPlate = False,
-    diameter: Length | None = None,
-    frame: int = -1,
-    layers: int = 3,
-    margin: float = 4.0,
+    bed_options: BedOptions | None = None,
     contact_gap: float = 1e-2,
     output: Output = None,
     dry_run: DryRun = False,
@@ -217,20 +207,6 @@ def statistics(
     ----------
     file
         The packing: bedrad HDF5 or CSV, LAMMPS or LIGGGHTS dump.
-    tube
-        The bed is in a tube of this inner diameter.
-    rod
-        The bed is around a rod of this diameter.
-    plate
-        The bed lies on the plane z = 0.
-    diameter
-        Particle diameter, for files that hold positions only.
-    frame
-        Number of the frame, from 0; -1 is the last.
-    layers
-        Number of layers: the first one radius deep, the others one diameter.
-    margin
-        What the measuring window leaves out at open ends, in mean diameters.
     contact_gap
         Gap to the wall that counts as contact, in radii.
     output
@@ -241,13 +217,13 @@ def statistics(
     import bedrad
     from bedrad.jobs.stages import fill_statistics
 
-    bed = read_bed(file, tube, rod, plate, diameter, frame)
-    edges = bedrad.layer_edges(bed, layers)
+    options = bed_options or BedOptions()
+    bed, edges = options.read(file)
     if dry_run:
-        describe(bed, edges, margin)
+        options.describe(bed, edges)
         return
     check_output("statistics", output)
-    found = bedrad.statistics(bed, edges, contact_gap, margin=margin)
+    found = bedrad.statistics(bed, edges, contact_gap, margin=options.margin)
     say(str(found))
     save("statistics", lambda group: fill_statistics(group, found), file, output)
 
@@ -258,13 +234,7 @@ def view_factors(
     file: Path,
     /,
     *,
-    tube: TubeDiameter = None,
-    rod: RodDiameter = None,
-    plate: IsPlate = False,
-    diameter: Length | None = None,
-    frame: int = -1,
-    layers: int = 3,
-    margin: float = 4.0,
+    bed_options: BedOptions | None = None,
     tolerance: float | None = None,
     rays: int | None = None,
     seed: Seed = 0,
@@ -279,20 +249,6 @@ def view_factors(
     ----------
     file
         The packing: bedrad HDF5 or CSV, LAMMPS or LIGGGHTS dump.
-    tube
-        The bed is in a tube of this inner diameter.
-    rod
-        The bed is around a rod of this diameter.
-    plate
-        The bed lies on the plane z = 0.
-    diameter
-        Particle diameter, for files that hold positions only.
-    frame
-        Number of the frame, from 0; -1 is the last.
-    layers
-        Number of layers: the first one radius deep, the others one diameter.
-    margin
-        What the emitting window leaves out at open ends, in mean diameters.
     tolerance
         Trace until every standard error is below this; 1e-3 if --rays is not given either.
     rays
@@ -311,15 +267,15 @@ def view_factors(
     import bedrad
     from bedrad.jobs.stages import fill_view_factors
 
-    bed = read_bed(file, tube, rod, plate, diameter, frame)
-    edges = bedrad.layer_edges(bed, layers)
+    options = bed_options or BedOptions()
+    bed, edges = options.read(file)
     if dry_run:
-        describe(bed, edges, margin)
+        options.describe(bed, edges)
         return
     check_output("view_factors", output)
     with progress_bars() as report:
         found = bedrad.view_factors(
-            bed, edges, tolerance, rays, seed, window=bed.window(margin), threads=threads,
+            bed, edges, tolerance, rays, seed, window=bed.window(options.margin), threads=threads,
             progress=lambda share, text: report("view factors", share, text),
         )  # fmt: skip
     if normalised is not None:

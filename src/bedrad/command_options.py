@@ -6,6 +6,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -67,30 +68,63 @@ def parse_size(text: str) -> tuple[float, float]:
     return quantity(diameter, "m"), number
 
 
-def read_bed(
-    file: Path, tube: float | None, rod: float | None, plate: bool, diameter: float | None, frame: int
-) -> Packing:
-    """Read a packing, with the one wall that was given; ValueError if there were several."""
-    import bedrad
+@Parameter(name="*")
+@dataclass(frozen=True)
+class BedOptions:
+    """Which bed a command measures, and how it is cut.
 
-    given: list[Wall] = []
-    if tube is not None:
-        given.append(bedrad.Tube(tube / 2))
-    if rod is not None:
-        given.append(bedrad.Rod(rod / 2))
-    if plate:
-        given.append(bedrad.Plate())
-    if len(given) > 1:
-        raise ValueError("give one wall: --tube, --rod or --plate")
-    return bedrad.read(file, given[0] if given else None, diameter=diameter, frame=frame)
+    Parameters
+    ----------
+    tube
+        The bed is in a tube of this inner diameter.
+    rod
+        The bed is around a rod of this diameter.
+    plate
+        The bed lies on the plane z = 0.
+    period
+        The bed repeats along the axis of a tube or rod after this length.
+    diameter
+        Particle diameter, for files that hold positions only.
+    frame
+        Number of the frame, from 0; -1 is the last.
+    layers
+        Number of layers: the first one radius deep, the others one diameter.
+    margin
+        What is left out at open ends, in mean diameters.
+    """
 
+    tube: TubeDiameter = None
+    rod: RodDiameter = None
+    plate: IsPlate = False
+    period: Length | None = None
+    diameter: Length | None = None
+    frame: int = -1
+    layers: int = 3
+    margin: float = 4.0
 
-def describe(bed: Packing, edges: Any, margin: float) -> None:
-    """Print what would be measured."""
-    window = bed.window(margin)
-    say(str(bed))
-    say(f"window    {window.axial[0]:.6g} to {window.axial[1]:.6g} m along the axis")
-    say(f"layers    {', '.join(f'{e:.6g}' for e in edges)} m deep")
+    def read(self, file: Path) -> tuple[Packing, Any]:
+        """Read the bed and cut it: the packing and the depths of its layers; ValueError if several walls were given."""
+        import bedrad
+
+        given: list[Wall] = []
+        if self.tube is not None:
+            given.append(bedrad.Tube(self.tube / 2))
+        if self.rod is not None:
+            given.append(bedrad.Rod(self.rod / 2))
+        if self.plate:
+            given.append(bedrad.Plate())
+        if len(given) > 1:
+            raise ValueError("give one wall: --tube, --rod or --plate")
+        wall = given[0] if given else None
+        bed = bedrad.read(file, wall, diameter=self.diameter, period=self.period, frame=self.frame)
+        return bed, bedrad.layer_edges(bed, self.layers)
+
+    def describe(self, bed: Packing, edges: Any) -> None:
+        """Print what would be measured."""
+        window = bed.window(self.margin)
+        say(str(bed))
+        say(f"window    {window.axial[0]:.6g} to {window.axial[1]:.6g} m along the axis")
+        say(f"layers    {', '.join(f'{e:.6g}' for e in edges)} m deep")
 
 
 def check_output(stage: str, output: Path | None) -> None:

@@ -263,3 +263,14 @@ def test_view_factors_cannot_be_changed():
     assert factors.to_layers[0] == 0.8
     with pytest.raises(ValueError, match="read-only"):
         factors.to_layers[0] = 0.5
+
+
+def test_table_5_2_is_for_its_own_material_only():
+    """The fits are of zirconia-silica; other particles of the same diameter get the model, or a warning if forced."""
+    table = prediction.TABLE_5_1[0]
+    assert prediction.bulk_conductivity(table, 600.0).model == "table 5.2"
+    other = replace(table, solid_conductivity=30.0)
+    assert prediction.bulk_conductivity(other, 600.0).model == "zbs"
+    with pytest.warns(RangeWarning, match="is for zirconia-silica"):
+        forced = prediction.bulk_conductivity(other, 600.0, "table 5.2")
+    assert forced.with_radiation == prediction.bulk_conductivity(table, 600.0).with_radiation

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -296,3 +297,16 @@ def test_a_mutated_job_is_a_job_or_a_bad_file(text):
         assert all(line.startswith("jobs/a.toml: ") for line in str(error).splitlines())  # noqa: PT017
     else:
         json.loads(job.resolved())
+
+
+@pytest.mark.parametrize(
+    ("layers", "message"),
+    [("count = 8", "layers.count is 8: the last layer would end"), ("margin = 16", "layers.margin is 16: leaving out")],
+)
+def test_layers_and_ends_that_the_settled_bed_has_no_room_for(layers, message):
+    text = (
+        '[wall]\ndiameter = "7.75 mm"\n[packing.settle]\ndiameter = "0.6 mm"\nheight = "18 mm"\n'
+        f"[statistics]\n[layers]\n{layers}\n"
+    )
+    with pytest.raises(BadFileError, match=re.escape(message)):
+        parse_job(text, Path("job.toml"))

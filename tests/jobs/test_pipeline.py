@@ -304,3 +304,18 @@ def test_results_that_are_something_else_are_left_alone(job_file, no_stage):
     with pytest.raises(BadFileError, match="not a bedrad results file"):
         run(job_file)
     assert other.read_text() == "precious"
+
+
+def test_a_distance_that_cannot_be_measured_is_replaced_and_told():
+    found = {"no_contacts": 5, "nc_distance_closing": np.nan, "nc_distance": 0.4}
+    assert stages._nc_distance(found, "mean") == "nc_distance"
+    with pytest.warns(UserWarning, match="no nc_distance_closing for this bed"):
+        assert stages._nc_distance(found, "closing") == "nc_distance_weighted"
+    # without such particles any distance is as good
+    assert stages._nc_distance(found | {"no_contacts": 0}, "closing") is None
+
+
+def test_an_unknown_error_is_told_not_taken_for_certainty():
+    with pytest.warns(UserWarning, match="no standard error of packing_fraction"):
+        assert stages._known(np.nan, "packing_fraction") == 0.0
+    assert stages._known(0.25, "packing_fraction") == 0.25

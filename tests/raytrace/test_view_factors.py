@@ -187,6 +187,27 @@ def test_tolerance_is_met_and_the_history_ends_there():
     assert [s.rays for s in factors.history] == [32 * 2**10 * 2**k for k in range(len(factors.history))]
 
 
+def test_a_tolerance_that_no_number_of_rays_meets_is_refused_early():
+    with pytest.raises(ValueError, match=r"tolerance 1e-09 would take about .* rays, more than the 3e\+10 there are"):
+        bedrad.view_factors(axial_chain(1.5), [0.0, 1.0], tolerance=1e-9)
+
+
+def test_no_hit_is_not_no_error():
+    """After n rays without a hit the share is below 3/n with 95 % confidence (1 - exp(-3) = 0.950)."""
+    factors = bedrad.view_factors(axial_chain(1.5), [0.0, 1.0], rays=2**15)
+    assert factors.escaped == 0.0
+    line = next(line for line in str(factors).splitlines() if line.startswith("escaped"))
+    assert "< 9e-05" in line
+
+
+def test_one_layer_normalised_is_one_without_error():
+    bed = random_bed(bedrad.Tube(5.0), 100, seed=4, length=6.0, spread=3.5, period=6.0)
+    factors = bedrad.view_factors(bed, [0.0, 2.0], rays=2**13, seed=1, blocks=3).normalised("watkins")
+    np.testing.assert_allclose(
+        [factors.layers[0], factors.layers_error[0], factors.layers_bed_error[0]], [1.0, 0.0, 0.0], atol=1e-14
+    )
+
+
 def test_watkins_normalisation_sums_to_one_over_the_layers():
     bed = random_bed(bedrad.Tube(5.0), 100, seed=4, length=6.0, spread=3.5, period=6.0)
     factors = bedrad.view_factors(bed, [0.0, 0.7, 2.0, 3.0], rays=2**16, seed=1)

@@ -1,5 +1,6 @@
 """Numbers derived from a results file, against their definitions."""
 
+import json
 import math
 
 import numpy as np
@@ -137,3 +138,12 @@ def test_correlated_layer_closes_the_solid_volume(fabricate):
 def test_nothing_correlated_without_a_prediction():
     assert records.correlated_layer(None) is None
     assert records.correlated_layer({"digest": "0"}) is None
+
+
+def test_stages_of_an_earlier_job_are_not_reported(fabricate):
+    """A results file may keep what another job left in it; a report is about its own job."""
+    results = fabricate("statistics", "prediction").results
+    assert set(records.load(results).stages) >= {"statistics", "prediction"}
+    job = json.dumps({"name": "other", "prediction": {}})
+    results.update_attributes({"job": job})
+    assert set(records.load(results).stages) == {"prediction"}
