@@ -12,7 +12,7 @@ from bedrad import cli
 from bedrad.errors import EngineFailedError, MissingExtraError
 from bedrad.jobs.results import Results
 from bedrad.packings import lammps
-from jobs.small_job import JOB, STAGES, stub_stages, write_job
+from jobs.small_job import JOB, STAGES, ring_bed, stub_stages, write_job
 
 COMMANDS = [name for name in cli.app if not name.startswith("-")]
 PREDICT = ("predict", "--tube", "7.75mm", "--diameter", "300um", "--velocity", "0.058m/s")
@@ -299,3 +299,11 @@ def test_a_warning_is_one_line_and_comes_once(call):
     assert any("diameter_ratio is 77.5, outside the fitted range 12.9 to 36.4" in line for line in err)
     # and again in the next run, although it is the same process
     assert call(*words, "--temperature", "500K")[2]
+
+
+def test_a_fitted_wall_is_told(call, tmp_path):
+    rows = "\n".join(",".join(map(repr, c)) for c in ring_bed().centers.tolist())
+    (tmp_path / "bare.csv").write_text(f"x [m],y [m],z [m]\n{rows}\n")
+    code, _, err = call("statistics", tmp_path / "bare.csv", "--diameter", "600um", "--layers", "2", "--margin", "1")
+    assert code == 0
+    assert any(line.startswith("wall: Tube(radius=0.0038") and "fitted by least squares" in line for line in err)

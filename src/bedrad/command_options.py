@@ -117,6 +117,15 @@ class BedOptions:
             raise ValueError("give one wall: --tube, --rod or --plate")
         wall = given[0] if given else None
         bed = bedrad.read(file, wall, diameter=self.diameter, period=self.period, frame=self.frame)
+        fit = bed.provenance.get("wall_origin")
+        if fit is not None and wall is None:
+            residual = bed.provenance["wall_fit_residual_radii"]
+            NOTES.print(
+                f"wall: {bed.wall!r}, {fit}; residual {residual:.2g} radii",
+                highlight=False,
+                markup=False,
+                soft_wrap=True,
+            )
         return bed, bedrad.layer_edges(bed, self.layers)
 
     def describe(self, bed: Packing, edges: Any) -> None:
