@@ -24,14 +24,15 @@ WALLS = {
     "plate": (bedrad.Plate(), (7.0, 6.0)),
 }
 
+EDGES = np.array([0.0, 0.7, 2.0, 3.0])
+
 
 def _scene(kind, periodic, count=60):
     wall, period = WALLS[kind]
     bed = random_bed(wall, count, seed=3, length=6.0, spread=3.5, period=period if periodic else None)
     window = bed.window(margin=1.0 if not periodic else 0.0)
-    edges = np.array([0.0, 0.7, 2.0, 3.0])
-    reach = wall.radius if kind == "tube" else float(edges[-1])
-    return build_scene(bed, edges, window, reach), window
+    reach = wall.radius if kind == "tube" else float(EDGES[-1])
+    return build_scene(bed, window, reach), window
 
 
 def distance_to(ox, oy, oz, dx, dy, dz, cx, cy, cz, radius):
@@ -61,7 +62,7 @@ def _ends(bed):
 @pytest.mark.parametrize("periodic", [True, False], ids=["periodic", "open"])
 def test_every_ray_ends_where_brute_force_says(kind, periodic):
     scene, window = _scene(kind, periodic)
-    bed, layers = scene.packing, len(scene.edges) - 1
+    bed, layers = scene.packing, len(EDGES) - 1
     lateral = window.lateral or (0.0, 0.0)
     wall_radius = getattr(bed.wall, "radius", 0.0)
     emitting = np.array([window.axial[0], window.length, lateral[0], lateral[1] - lateral[0]])
@@ -71,11 +72,11 @@ def test_every_ray_ends_where_brute_force_says(kind, periodic):
     rays = np.array([start_ray(*u, number, wall_radius, *emitting) for u in points])
     origins, directions = rays[:, :3], rays[:, 3:6]
     hits = first_hits(origins, directions, bed.centers, bed.radii, _shifts(bed))
-    expected = fates(bed.wall, origins, directions, hits, scene.edges, _ends(bed))
+    expected = fates(bed.wall, origins, directions, hits, EDGES, _ends(bed))
     found = np.empty(len(points), int)
     for k, u in enumerate(points):
         counts, unsettled = np.zeros((1, layers + 3), np.int64), np.empty(1, np.int64)
-        arguments = (u[None], number, wall_radius, emitting, scene.edges, scene.reach, *_grid(scene))
+        arguments = (u[None], number, wall_radius, emitting, EDGES, scene.reach, *_grid(scene))
         assert trace(*arguments, counts, unsettled) == 0
         assert counts.sum() == 1
         found[k] = int(counts[0].argmax())
@@ -95,8 +96,8 @@ def test_shares_agree_with_an_independent_sampler():
     bed = scene.packing
     origins, directions = cosine_rays(np.random.default_rng(5), bed.wall, window, 40_000)
     hits = first_hits(origins, directions, bed.centers, bed.radii, np.zeros((1, 3)))
-    brute = np.bincount(fates(bed.wall, origins, directions, hits, scene.edges, _ends(bed)), minlength=6) / len(hits)
-    found = bedrad.view_factors(bed, scene.edges, rays=2**18, seed=1, window=window)
+    brute = np.bincount(fates(bed.wall, origins, directions, hits, EDGES, _ends(bed)), minlength=6) / len(hits)
+    found = bedrad.view_factors(bed, EDGES, rays=2**18, seed=1, window=window)
     shares = np.array([*found.layers, found.beyond, found.wall, found.escaped])
     errors = np.array([*found.layers_error, found.beyond_error, found.wall_error, found.escaped_error])
     sigma = np.sqrt(errors**2 + brute * (1 - brute) / len(hits))

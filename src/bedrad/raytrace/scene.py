@@ -34,10 +34,6 @@ class Scene:
     ----------
     packing : Packing
         The bed.
-    edges : (layers + 1,) array
-        Depths that part the layers. [m]
-    window : Window
-        The piece of wall that emits.
     reach : float
         Depth down to which spheres are in the grid. [m]
     low, size : (3,) arrays
@@ -54,8 +50,6 @@ class Scene:
     """
 
     packing: Packing
-    edges: FloatArray
-    window: Window
     reach: float
     low: FloatArray
     size: FloatArray
@@ -75,15 +69,13 @@ class Scene:
         return int(np.diff(self.starts).max())
 
 
-def build_scene(packing: Packing, edges: FloatArray, window: Window, reach: float) -> Scene:
+def build_scene(packing: Packing, window: Window, reach: float) -> Scene:
     """Put the spheres that reach less deep than `reach` into a grid.
 
     Parameters
     ----------
     packing : Packing
         The bed.
-    edges : (layers + 1,) array
-        Depths that part the layers. [m]
     window : Window
         The piece of wall that emits; it must lie within the bed.
     reach : float
@@ -111,7 +103,7 @@ def build_scene(packing: Packing, edges: FloatArray, window: Window, reach: floa
         starts[0] = 0
     columns = np.ascontiguousarray(spheres[members].T)
     columns[3] **= 2
-    return Scene(packing, edges, window, reach, low, size, cells, starts, columns, int(near.sum()))
+    return Scene(packing, reach, low, size, cells, starts, columns, int(near.sum()))
 
 
 def _bounds(packing: Packing, window: Window, reach: float) -> tuple[FloatArray, FloatArray]:

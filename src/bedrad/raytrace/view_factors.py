@@ -94,7 +94,7 @@ def view_factors(
     ------
     ValueError
         If the edges do not ascend from 0, are deeper than the wall allows, `tolerance` and `rays` are both
-        given or not positive, or the window reaches beyond the bed.
+        given or not positive, no number of rays meets the tolerance, or the window reaches beyond the bed.
     """
     begin = time.perf_counter()
     depth_edges = _check_edges(packing, edges)
@@ -188,10 +188,10 @@ class _Tracer:
         self.window = np.array([window.axial[0], window.length, lateral[0], lateral[1] - lateral[0]], dtype=float)
         reach = float(edges[-1])
         if isinstance(packing.wall, Tube):
-            # nothing at all stands in the way of the grid of the whole bed where it would not be larger
+            # a ray may pass the last layer and come back to it on the far side, but very few get much deeper
             reach = reach + EXTRA_REACH * packing.mean_diameter / 2 if len(packing) else packing.wall.radius
             reach = min(reach, packing.wall.radius)
-        self.near = build_scene(packing, edges, window, reach)
+        self.near = build_scene(packing, window, reach)
         self.deep: Scene | None = None
         self.deep_rays = 0
         self._lock = threading.Lock()
@@ -204,7 +204,7 @@ class _Tracer:
             with self._lock:
                 self.deep_rays += left
                 if self.deep is None:
-                    self.deep = build_scene(self.packing, self.edges, self.measured, self.wall_radius)
+                    self.deep = build_scene(self.packing, self.measured, self.wall_radius)
             self._trace(self.deep, points[unsettled[:left]], counts, unsettled)
 
     def _trace(self, scene: Scene, points: FloatArray, counts: IntArray, unsettled: IntArray) -> int:
