@@ -134,7 +134,7 @@ def test_the_lazy_grid_of_a_tube_gives_what_the_whole_bed_gives(monkeypatch):
     edges = [0.0, 0.7, 2.0, 3.0]
     lazy = bedrad.view_factors(bed, edges, rays=2**15, seed=1)
     assert lazy.left_out.deep_rays > 100
-    monkeypatch.setattr("bedrad.raytrace.view_factors.EXTRA_REACH", 100.0)
+    monkeypatch.setattr("bedrad.raytrace.tracer.EXTRA_REACH", 100.0)
     whole = bedrad.view_factors(bed, edges, rays=2**15, seed=1)
     assert whole.left_out.deep_rays == 0
     np.testing.assert_array_equal(lazy.scramblings, whole.scramblings)

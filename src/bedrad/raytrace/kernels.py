@@ -18,6 +18,7 @@ __all__ = [
     "PLATE",
     "ROD",
     "TUBE",
+    "UNSETTLED",
     "first_hit",
     "sphere_distances",
     "start_ray",
@@ -32,6 +33,9 @@ TUBE, ROD, PLATE = 0, 1, 2
 
 LIMIT = math.inf
 """Distance returned by `first_hit` when the ray reached its limit without a hit."""
+
+UNSETTLED = -1
+"""Fate of a ray that left the part of the bed that a grid covers."""
 
 ESCAPED = -1.0
 """Distance returned by `first_hit` when the ray left through an open end of the bed."""
@@ -247,10 +251,9 @@ def trace(
     starts,
     columns,
     distances,
-    counts,
-    unsettled,
+    fates,
 ):
-    """Trace rays and count where they end.
+    """Trace rays and say where each ends.
 
     Parameters
     ----------
@@ -268,11 +271,9 @@ def trace(
         Depth down to which the grid is complete.
     low, size, cells, period, starts, columns, distances
         The grid, see `first_hit`.
-    counts : (blocks, layers + 3) array
-        Number of rays by axial block of their origin and by fate: the layers, beyond the last, back to the wall,
-        escaped. Added to.
-    unsettled : (n,) array
-        Filled with the numbers of the rays of a tube that got deeper than `reach`; they are not counted.
+    fates : (n,) array
+        Filled with where each ray ends: the number of the layer, and from there on beyond the last, back to the wall,
+        escaped; `UNSETTLED` for rays of a tube that got deeper than `reach`.
 
     Returns
     -------
@@ -280,29 +281,26 @@ def trace(
         Number of unsettled rays.
     """
     layers = edges.size - 1
-    blocks = counts.shape[0]
-    left = 0
+    unsettled = 0
     for i in range(points.shape[0]):
-        u0, u1, u2, u3 = points[i, 0], points[i, 1], points[i, 2], points[i, 3]
         ox, oy, oz, dx, dy, dz, cosine = start_ray(
-            u0, u1, u2, u3, kind, wall_radius, window[0], window[1], window[2], window[3]
-        )
+            points[i, 0], points[i, 1], points[i, 2], points[i, 3],
+            kind, wall_radius, window[0], window[1], window[2], window[3],
+        )  # fmt: skip
         wall, deep = _far_limit(kind, wall_radius, reach, dx, dy, cosine)
         t = first_hit(ox, oy, oz, dx, dy, dz, min(wall, deep), low, size, cells, period, starts, columns, distances)
         if t == ESCAPED:
-            fate = layers + 2
+            fates[i] = layers + 2
         elif t < LIMIT:
-            fate = _layer(kind, wall_radius, edges, ox + t * dx, oy + t * dy, oz + t * dz)
+            fates[i] = _layer(kind, wall_radius, edges, ox + t * dx, oy + t * dy, oz + t * dz)
         elif wall <= deep:
-            fate = layers + 1
+            fates[i] = layers + 1
         elif kind == TUBE:
-            unsettled[left] = i
-            left += 1
-            continue
+            fates[i] = UNSETTLED
+            unsettled += 1
         else:
-            fate = layers
-        counts[min(int(u0 * blocks), blocks - 1), fate] += 1
-    return left
+            fates[i] = layers
+    return unsettled
 
 
 @njit(**OPTIONS)

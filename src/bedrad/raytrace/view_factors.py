@@ -15,10 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from bedrad.packings.layers import block_count, check_edges, check_window, layer_edges
 from bedrad.packings.packing import Packing
 from bedrad.raytrace.factors import LeftOut, Step, ViewFactors, standard_error
-from bedrad.raytrace.kernels import PLATE, ROD, TUBE, trace
 from bedrad.raytrace.sampling import DIMENSIONS, MOST_POINTS, SobolStreams
-from bedrad.raytrace.scene import Scene, build_scene
-from bedrad.walls import Plate, Tube, Window
+from bedrad.raytrace.tracer import GridTracer
+from bedrad.walls import Window
 
 __all__ = ["SCRAMBLINGS", "view_factors"]
 
@@ -32,17 +31,11 @@ SCRAMBLINGS = 32
 FIRST_POINTS = 2**10
 """Rays a scrambling in the first round; every further round doubles the total."""
 
-EXTRA_REACH = 4.0
-"""How far beyond the last edge the first grid of a tube reaches, in mean radii."""
-
 EXPONENT = 0.56
 """Power of the number of rays with which the error falls, as measured on settled beds."""
 
 SURE_ROUNDS = 4
 """Rounds after which the error is known well enough to say what a tolerance will take."""
-
-_KINDS = {"tube": TUBE, "rod": ROD, "plate": PLATE}
-
 
 def view_factors(
     packing: Packing,
@@ -101,9 +94,11 @@ def view_factors(
     target, wanted = _check_effort(tolerance, rays)
     measured = check_window(packing, window)
     parts = block_count(packing, measured) if blocks is None else blocks
-    tracer = _Tracer(packing, depth_edges, measured, parts)
+    if parts < 1:
+        raise ValueError(f"blocks is {blocks!r}; expected at least 1")
+    tracer = GridTracer(packing, depth_edges, measured)
     # no rays: compiles the kernels on their first use, so that the rate of the rays is theirs alone
-    tracer.count(np.empty((0, DIMENSIONS)), np.zeros((parts, len(depth_edges) + 2), np.int64))
+    tracer.fates(np.empty((0, DIMENSIONS)))
     setup = time.perf_counter() - begin
     streams = SobolStreams(seed, SCRAMBLINGS)
     counts = np.zeros((SCRAMBLINGS, parts, len(depth_edges) + 2), np.int64)
@@ -175,48 +170,6 @@ def _check_reach(history: list[Step], target: float) -> None:
         )
 
 
-class _Tracer:
-    """Traces batches of points: in the grid near the wall, then the few that get deeper in one of the whole bed."""
-
-    def __init__(self, packing: Packing, edges: FloatArray, window: Window, blocks: int) -> None:
-        if blocks < 1:
-            raise ValueError(f"blocks is {blocks!r}; expected at least 1")
-        self.packing, self.edges, self.measured = packing, edges, window
-        self.kind = _KINDS[packing.wall.kind]
-        self.wall_radius = 0.0 if isinstance(packing.wall, Plate) else packing.wall.radius
-        lateral = window.lateral or (0.0, 0.0)
-        self.window = np.array([window.axial[0], window.length, lateral[0], lateral[1] - lateral[0]], dtype=float)
-        reach = float(edges[-1])
-        if isinstance(packing.wall, Tube):
-            # a ray may pass the last layer and come back to it on the far side, but very few get much deeper
-            reach = reach + EXTRA_REACH * packing.mean_diameter / 2 if len(packing) else packing.wall.radius
-            reach = min(reach, packing.wall.radius)
-        self.near = build_scene(packing, window, reach)
-        self.deep: Scene | None = None
-        self.deep_rays = 0
-        self._lock = threading.Lock()
-
-    def count(self, points: FloatArray, counts: IntArray) -> None:
-        """Add the fates of the rays of `points` to `counts`, (blocks, layers + 3)."""
-        unsettled = np.empty(len(points), np.int64)
-        left = self._trace(self.near, points, counts, unsettled)
-        if left:
-            with self._lock:
-                self.deep_rays += left
-                if self.deep is None:
-                    self.deep = build_scene(self.packing, self.measured, self.wall_radius)
-            self._trace(self.deep, points[unsettled[:left]], counts, unsettled)
-
-    def _trace(self, scene: Scene, points: FloatArray, counts: IntArray, unsettled: IntArray) -> int:
-        return int(
-            trace(
-                points, self.kind, self.wall_radius, self.window, self.edges, scene.reach,
-                scene.low, scene.size, scene.cells, np.array(self.packing.box),
-                scene.starts, scene.columns, np.empty(scene.most_in_a_cell), counts, unsettled,
-            )
-        )  # fmt: skip
-
-
 class _Workers:
     """Threads that each trace whole scramblings; the kernels release the interpreter lock."""
 
@@ -237,7 +190,7 @@ class _Workers:
 
     def run(
         self,
-        tracer: _Tracer,
+        tracer: GridTracer,
         streams: SobolStreams,
         counts: IntArray,
         points: int,
@@ -250,7 +203,11 @@ class _Workers:
             for batch in streams.draw(stream, points):
                 if self._stop.is_set():
                     return
-                tracer.count(batch, counts[stream])
+                blocks, shares = counts.shape[1:]
+                block = np.minimum((batch[:, 0] * blocks).astype(np.int64), blocks - 1)
+                counts[stream] += np.bincount(
+                    block * shares + tracer.fates(batch), minlength=blocks * shares
+                ).reshape(blocks, shares)
 
         futures = [self._pool.submit(trace_stream, s) for s in range(len(streams))]
         for finished, future in enumerate(futures, start=1):

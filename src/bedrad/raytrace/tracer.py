@@ -1,0 +1,88 @@
+"""Rays through the grid of a scene: first the part near the wall, then, for the few that need it, the whole bed."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bedrad.packings.packing import Packing
+from bedrad.raytrace.kernels import PLATE, ROD, TUBE, UNSETTLED, trace
+from bedrad.raytrace.scene import Scene, build_scene
+from bedrad.walls import Plate, Tube, Window
+
+__all__ = ["EXTRA_REACH", "GridTracer"]
+
+FloatArray = NDArray[np.float64]
+FateArray = NDArray[np.int16]
+
+EXTRA_REACH = 4.0
+"""How far beyond the last edge the first grid of a tube reaches, in mean radii."""
+
+KINDS = {"tube": TUBE, "rod": ROD, "plate": PLATE}
+
+
+class GridTracer:
+    """Traces rays by a walk through a grid.
+
+    Parameters
+    ----------
+    packing : Packing
+        The bed.
+    edges : (layers + 1,) array
+        Depths that part the layers. [m]
+    window : Window
+        The piece of wall that emits.
+    """
+
+    def __init__(self, packing: Packing, edges: FloatArray, window: Window) -> None:
+        self.packing, self.edges, self.measured = packing, edges, window
+        self.kind = KINDS[packing.wall.kind]
+        self.wall_radius = 0.0 if isinstance(packing.wall, Plate) else packing.wall.radius
+        lateral = window.lateral or (0.0, 0.0)
+        self.window = np.array([window.axial[0], window.length, lateral[0], lateral[1] - lateral[0]], dtype=float)
+        reach = float(edges[-1])
+        if isinstance(packing.wall, Tube):
+            # a ray may pass the last layer and come back to it on the far side, but very few get much deeper
+            reach = reach + EXTRA_REACH * packing.mean_diameter / 2 if len(packing) else packing.wall.radius
+            reach = min(reach, packing.wall.radius)
+        self.near = build_scene(packing, window, reach)
+        self.deep: Scene | None = None
+        self.deep_rays = 0
+        self._lock = threading.Lock()
+
+    def fates(self, points: FloatArray) -> FateArray:
+        """Where the rays of some points end.
+
+        Parameters
+        ----------
+        points : (n, 4) array
+            Points of the unit hypercube, see `bedrad.raytrace.kernels.start_ray`.
+
+        Returns
+        -------
+        (n,) int array
+            The number of the layer, and from there on beyond the last, back to the wall, escaped.
+        """
+        fates = np.empty(len(points), np.int16)
+        left = self._trace(self.near, points, fates)
+        if left:
+            with self._lock:
+                self.deep_rays += left
+                if self.deep is None:
+                    self.deep = build_scene(self.packing, self.measured, self.wall_radius)
+            deeper = np.flatnonzero(fates == UNSETTLED)
+            rest = np.empty(len(deeper), np.int16)
+            self._trace(self.deep, points[deeper], rest)
+            fates[deeper] = rest
+        return fates
+
+    def _trace(self, scene: Scene, points: FloatArray, fates: FateArray) -> int:
+        return int(
+            trace(
+                points, self.kind, self.wall_radius, self.window, self.edges, scene.reach,
+                scene.low, scene.size, scene.cells, np.array(self.packing.box),
+                scene.starts, scene.columns, np.empty(scene.most_in_a_cell), fates,
+            )
+        )  # fmt: skip
