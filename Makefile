@@ -39,4 +39,5 @@ $(READY): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else f"bedrad needs Python 3.11 or newer; {sys.executable} is {sys.version.split()[0]}. Name another: make PYTHON=python3.12")'
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	@$(BIN)/python -c 'import open3d' 2>/dev/null || echo "open3d is left out, and its tests are skipped (README.md says what it needs): $$($(BIN)/python -c 'import open3d' 2>&1 | tail -n 1)"
 	@touch $(READY)

@@ -74,7 +74,7 @@ def test_every_ray_ends_where_brute_force_says(kind, periodic):
     hits = first_hits(origins, directions, bed.centers, bed.radii, _shifts(bed))
     expected = fates(bed.wall, origins, directions, hits, EDGES, _ends(bed))
     found = np.empty(len(points), np.int16)
-    assert trace(points, number, wall_radius, emitting, EDGES, scene.reach, *_grid(scene), found) == 0
+    assert trace(np.ascontiguousarray(rays.T), number, wall_radius, EDGES, scene.reach, *_grid(scene), found) == 0
     np.testing.assert_array_equal(found, expected)
     assert len(np.unique(found)) >= 4
     met = np.flatnonzero(expected < layers)
@@ -191,7 +191,7 @@ def test_kernels_give_the_same_counts_with_the_compiler_off():
         "for wall, period in ((bedrad.Tube(5.0), 6.0), (bedrad.Rod(2.0), 6.0), (bedrad.Plate(), (7.0, 6.0))):\n"
         "    bed = random_bed(wall, 20, seed=3, length=6.0, spread=3.5, period=period)\n"
         "    f = bedrad.view_factors(bed, [0.0, 0.7, 2.0, 3.0], rays=1024, seed=4)\n"
-        "    out.append((f.scramblings.tolist(), f.left_out.deep_rays))\n"
+        "    out.append((f.covariance.tolist(), f.left_out.deep_rays))\n"
         "print(json.dumps(out))\n"
     )
     results = []

@@ -68,7 +68,7 @@ def made_up_view_factors():
         values |= {name: mean[k], f"{name}_error": error[k], f"{name}_bed_error": bed[k]}
     return values | {
         "edges": EDGES,
-        "scramblings": scramblings,
+        "covariance": np.cov(scramblings.T) / len(scramblings),
         "block_shares": scramblings[:4],
         "rays": 2**20,
         "seconds": 0.75,

@@ -301,7 +301,7 @@ def test_nothing_escapes_and_many_layers(fabricate):
         data["escaped"] = data["escaped_error"] = data["escaped_bed_error"] = 0.0
         data["layers"] = np.array([0.8, 0.15, 0.03, 0.005, 0.0])
         data["layers_error"] = data["layers_bed_error"] = np.full(5, 1e-4)
-        data["scramblings"] = np.tile([*data["layers"], 0.005, 0.01, 0.0], (8, 1))
+        data["covariance"] = np.zeros((8, 8))
         data["edges"] = 3e-4 * np.array([0.0, 1.0, 3.0, 5.0, 7.0, 9.0])
 
     figure = render(fabricate().add("view_factors", change).results)["view_factors"]

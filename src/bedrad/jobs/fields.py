@@ -43,7 +43,7 @@ VIEW_FACTORS: Mapping[str, Field] = {
     "wall_bed_error": ("1", "scatter of the bed: standard error from block to block, wall"),
     "escaped_bed_error": ("1", "scatter of the bed: standard error from block to block, escaped"),
     "edges": ("m", "depths that part the layers"),
-    "scramblings": ("1", "shares found by each scrambling: layers, beyond, wall, escaped"),
+    "covariance": ("1", "covariance of the shares by the ray tracing: layers, beyond, wall, escaped"),
     "block_shares": ("1", "shares found in each axial block: layers, beyond, wall, escaped"),
     "rays": ("1", "number of rays"),
     "seconds": ("s", "run time"),

@@ -15,10 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from bedrad.packings.packing import Packing
 from bedrad.raytrace.factors import ViewFactors
-from bedrad.raytrace.view_factors import SCRAMBLINGS, view_factors
+from bedrad.raytrace.sampling import SCRAMBLINGS
+from bedrad.raytrace.view_factors import view_factors
 from bedrad.walls import Window
 
-__all__ = ["Convergence", "convergence"]
+__all__ = ["Convergence", "convergence", "fitted_exponents", "shares_and_errors"]
 
 FloatArray = NDArray[np.float64]
 
@@ -138,13 +139,13 @@ def convergence(
 
     run(steps[0], seed, "compiling")
     reference = run(reference_rays, seed + seeds, "reference")
-    mean, mean_error = _row(reference)
+    mean, mean_error = shares_and_errors(reference)
     found = [[run(n, seed + s, f"{n:,} rays") for n in steps] for s in range(seeds)]
     seconds = np.array([[f.seconds - f.setup_seconds for f in runs] for runs in found])
-    estimates = np.array([[_row(f)[0] for f in runs] for runs in found])
-    stated = np.array([[_row(f)[1] for f in runs] for runs in found])
+    estimates = np.array([[shares_and_errors(f)[0] for f in runs] for runs in found])
+    stated = np.array([[shares_and_errors(f)[1] for f in runs] for runs in found])
     true_error = np.sqrt(((estimates - mean) ** 2).mean(axis=0))
-    exponent, exponent_error = _slopes(np.array([f.rays for f in found[0]]), true_error)
+    exponent, exponent_error = fitted_exponents(np.array([f.rays for f in found[0]]), true_error)
     return Convergence(
         names=(*(f"layer {k + 1}" for k in range(len(reference.layers))), "beyond", "wall", "escaped"),
         rays=np.array([f.rays for f in found[0]]),
@@ -162,14 +163,16 @@ def convergence(
     )
 
 
-def _row(factors: ViewFactors) -> tuple[FloatArray, FloatArray]:
+def shares_and_errors(factors: ViewFactors) -> tuple[FloatArray, FloatArray]:
     """Estimates and standard errors in the order layers, beyond, wall, escaped."""
-    last = factors.history[-1]
-    return last.estimates, last.errors
+    return (
+        np.array([*factors.layers, factors.beyond, factors.wall, factors.escaped]),
+        np.array([*factors.layers_error, factors.beyond_error, factors.wall_error, factors.escaped_error]),
+    )
 
 
-def _slopes(rays: NDArray[np.int64], error: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Slope of log(error) against log(rays) in each column, and its standard error."""
+def fitted_exponents(rays: NDArray[np.int64], error: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Slope of log(error) against log(rays) in each column, and its standard error; nan where an error is zero."""
     slopes, slope_errors = np.full(error.shape[1], np.nan), np.full(error.shape[1], np.nan)
     x = np.log(rays) - np.log(rays).mean()
     for k, column in enumerate(error.T):

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bedrad.walls import Window
 
-__all__ = ["LeftOut", "Step", "ViewFactors", "fold_leakage", "standard_error"]
+__all__ = ["LeftOut", "Step", "ViewFactors", "covariance_of_mean", "fold_leakage", "standard_error"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -59,7 +59,7 @@ class Step:
 class ViewFactors:
     """View factors from the wall; `layers`, `beyond`, `wall` and `escaped` sum to one.
 
-    The standard errors ``<name>_error`` are those of the ray tracing, from the scatter of independent scramblings. The
+    The standard errors ``<name>_error`` are those of the ray tracing, from the scatter within patches of the wall. The
     scatter of the bed itself, from block to block along the axis, is in ``<name>_bed_error``: how far another piece of
     the same bed would differ.
 
@@ -87,8 +87,8 @@ class ViewFactors:
         What the scene did not need.
     history : tuple of Step
         Estimates, errors and run time after every round.
-    scramblings : (n, layers + 3) array
-        The shares found by each scrambling: the layers, beyond, wall, escaped.
+    covariance : (layers + 3, layers + 3) array
+        Covariance of the shares by the ray tracing: the layers, beyond, wall, escaped.
     block_shares : (blocks, layers + 3) array
         The same of each axial block.
     normalisation : str
@@ -115,14 +115,15 @@ class ViewFactors:
     seed: int
     left_out: LeftOut
     history: tuple[Step, ...]
-    scramblings: FloatArray
+    covariance: FloatArray
     block_shares: FloatArray
     normalisation: str = "none"
 
     @classmethod
-    def from_counts(
+    def from_sample(
         cls,
         counts: IntArray,
+        covariance: FloatArray,
         *,
         edges: FloatArray,
         window: Window,
@@ -132,23 +133,12 @@ class ViewFactors:
         seed: int,
         left_out: LeftOut,
     ) -> ViewFactors:
-        """Shares and standard errors from counts of rays, (scramblings, blocks, layers + 3).
-
-        Raises
-        ------
-        ValueError
-            If the scramblings did not all trace the same number of rays.
-        """
-        totals = counts.sum(axis=(1, 2))
-        if not (totals == totals[0]).all():
-            raise ValueError(f"the scramblings traced different numbers of rays: {totals.tolist()}")
-        by_block = counts.sum(axis=0)
-        in_block = by_block.sum(axis=1, keepdims=True)
+        """Shares and standard errors from counts of rays, (blocks, layers + 3), and the shares' covariance."""
+        in_block = counts.sum(axis=1, keepdims=True)
         filled = in_block[:, 0] > 0
-        block_shares = by_block[filled] / in_block[filled]
+        block_shares = counts[filled] / in_block[filled]
         bed = standard_error(block_shares)
-        scramblings = counts.sum(axis=1) / totals[:, None]
-        mean, error = scramblings.mean(axis=0), standard_error(scramblings)
+        mean, error = counts.sum(axis=0) / counts.sum(), np.sqrt(np.diag(covariance))
         n = len(mean) - 3
         return cls(
             layers=mean[:n],
@@ -165,13 +155,13 @@ class ViewFactors:
             escaped_bed_error=float(bed[n + 2]),
             edges=edges,
             window=window,
-            rays=int(totals.sum()),
+            rays=int(counts.sum()),
             seconds=seconds,
             setup_seconds=setup_seconds,
             seed=seed,
             left_out=left_out,
             history=history,
-            scramblings=scramblings,
+            covariance=covariance,
             block_shares=block_shares,
         )
 
@@ -192,13 +182,14 @@ class ViewFactors:
         if convention != "watkins":
             raise ValueError(f"convention is {convention!r}; expected 'watkins'")
         count = len(self.layers)
-        ratio, by_scrambling = fold_leakage(self.scramblings, count)
-        _, by_block = fold_leakage(self.block_shares, count)
+        mean = self.history[-1].estimates
+        ratio, error = fold_leakage(mean, self.covariance, count)
+        _, bed_error = fold_leakage(mean, covariance_of_mean(self.block_shares), count)
         return replace(
             self,
             layers=ratio,
-            layers_error=standard_error(by_scrambling),
-            layers_bed_error=standard_error(by_block),
+            layers_error=error,
+            layers_bed_error=bed_error,
             beyond=0.0,
             beyond_error=0.0,
             beyond_bed_error=0.0,
@@ -234,13 +225,24 @@ def standard_error(samples: FloatArray) -> FloatArray:
     return np.asarray(samples.std(axis=0, ddof=1) / np.sqrt(len(samples)))
 
 
-def fold_leakage(samples: FloatArray, layers: int) -> tuple[FloatArray, FloatArray]:
+def covariance_of_mean(samples: FloatArray) -> FloatArray:
+    """Covariance of the mean of independent samples along the first axis; nan where there is only one."""
+    count, names = samples.shape
+    if count < 2:
+        return np.full((names, names), np.nan)
+    deviation = samples - samples.mean(axis=0)
+    return np.asarray(deviation.T @ deviation / (count * (count - 1)))
+
+
+def fold_leakage(shares: FloatArray, covariance: FloatArray, layers: int) -> tuple[FloatArray, FloatArray]:
     """Make the layers alone sum to one, the rest spread over them in proportion.
 
     Parameters
     ----------
-    samples : (n, layers + 3) array
-        Shares found by independent samples (scramblings or blocks): the layers, beyond, wall, escaped.
+    shares : (layers + 3,) array
+        The layers, beyond, wall, escaped.
+    covariance : (layers + 3, layers + 3) array
+        Their covariance.
     layers : int
         Number of layers.
 
@@ -248,18 +250,18 @@ def fold_leakage(samples: FloatArray, layers: int) -> tuple[FloatArray, FloatArr
     -------
     ratio : (layers,) array
         Share of each layer in what met a layer.
-    linearised : (n, layers) array
-        Samples whose scatter is that of the ratio: each sample's deviation, linearised around the mean.
+    error : (layers,) array
+        Its standard error, linearised.
 
     Raises
     ------
     ValueError
         If no ray met a layer.
     """
-    to_layers = samples[:, :layers]
-    mean = to_layers.mean(axis=0)
-    met = float(mean.sum())
+    met = float(shares[:layers].sum())
     if met == 0.0:
         raise ValueError("no ray met a layer; the view factors cannot be made to sum to one over the layers")
-    ratio = mean / met
-    return ratio, ratio + (to_layers - ratio * to_layers.sum(axis=1, keepdims=True)) / met
+    ratio = shares[:layers] / met
+    slopes = (np.eye(layers) - ratio[:, None]) / met
+    variance = (slopes @ covariance[:layers, :layers] @ slopes.T).diagonal()
+    return ratio, np.sqrt(np.maximum(variance, 0.0))

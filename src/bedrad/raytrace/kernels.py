@@ -22,6 +22,7 @@ __all__ = [
     "first_hit",
     "sphere_distances",
     "start_ray",
+    "start_rays",
     "trace",
     "turn",
 ]
@@ -237,34 +238,43 @@ def _layer(kind, wall_radius, edges, x, y, z):
 
 
 @njit(**OPTIONS)
-def trace(
-    points,
-    kind,
-    wall_radius,
-    window,
-    edges,
-    reach,
-    low,
-    size,
-    cells,
-    period,
-    starts,
-    columns,
-    distances,
-    fates,
-):
-    """Trace rays and say where each ends.
+def start_rays(points, kind, wall_radius, window, rays):
+    """Origins, directions and cosines of rays from points of the unit hypercube.
 
     Parameters
     ----------
     points : (n, 4) array
-        Points of the unit hypercube, see `start_ray`.
+        Points, see `start_ray`.
     kind : int
         `TUBE`, `ROD` or `PLATE`.
     wall_radius : float
         Radius of the wall.
     window : (4,) array
         Axial start and length, lateral start and length of the piece of wall that emits.
+    rays : (7, n) array
+        Filled.
+    """
+    for i in range(points.shape[0]):
+        values = start_ray(
+            points[i, 0], points[i, 1], points[i, 2], points[i, 3],
+            kind, wall_radius, window[0], window[1], window[2], window[3],
+        )  # fmt: skip
+        for k in range(7):
+            rays[k, i] = values[k]
+
+
+@njit(**OPTIONS)
+def trace(rays, kind, wall_radius, edges, reach, low, size, cells, period, starts, columns, distances, fates):
+    """Trace rays through a grid and say where each ends.
+
+    Parameters
+    ----------
+    rays : (7, n) array
+        Origins on the wall, unit directions, cosines of the angle to the wall's normal.
+    kind : int
+        `TUBE`, `ROD` or `PLATE`.
+    wall_radius : float
+        Radius of the wall.
     edges : (layers + 1,) array
         Depths that part the layers.
     reach : float
@@ -282,12 +292,9 @@ def trace(
     """
     layers = edges.size - 1
     unsettled = 0
-    for i in range(points.shape[0]):
-        ox, oy, oz, dx, dy, dz, cosine = start_ray(
-            points[i, 0], points[i, 1], points[i, 2], points[i, 3],
-            kind, wall_radius, window[0], window[1], window[2], window[3],
-        )  # fmt: skip
-        wall, deep = _far_limit(kind, wall_radius, reach, dx, dy, cosine)
+    for i in range(rays.shape[1]):
+        ox, oy, oz, dx, dy, dz = rays[0, i], rays[1, i], rays[2, i], rays[3, i], rays[4, i], rays[5, i]
+        wall, deep = _far_limit(kind, wall_radius, reach, dx, dy, rays[6, i])
         t = first_hit(ox, oy, oz, dx, dy, dz, min(wall, deep), low, size, cells, period, starts, columns, distances)
         if t == ESCAPED:
             fates[i] = layers + 2

@@ -13,10 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-__all__ = ["BATCH", "DIMENSIONS", "MOST_POINTS", "SobolStreams"]
+__all__ = ["BATCH", "DIMENSIONS", "MOST_POINTS", "SCRAMBLINGS", "SobolStreams"]
 
 DIMENSIONS = 4
 """Position on the wall (2) and direction (2)."""
+
+SCRAMBLINGS = 32
+"""Independent scramblings; their scatter gives standard errors (31 degrees of freedom)."""
 
 BATCH = 2**13
 """Points drawn at a time: few enough to stay in the cache between drawing and tracing."""

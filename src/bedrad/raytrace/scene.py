@@ -12,7 +12,7 @@ from bedrad.packings.packing import Packing
 from bedrad.raytrace.kernels import fill_cells
 from bedrad.walls import Plate, Rod, Tube, Window
 
-__all__ = ["Scene", "build_scene"]
+__all__ = ["Scene", "bounds", "build_scene"]
 
 FloatArray = NDArray[np.float64]
 
@@ -86,7 +86,7 @@ def build_scene(packing: Packing, window: Window, reach: float) -> Scene:
     ValueError
         If the window reaches beyond the ends of the bed.
     """
-    low, high = _bounds(packing, window, reach)
+    low, high = bounds(packing, window, reach)
     near = packing.depths - packing.radii < reach
     spheres = np.column_stack([packing.centers[near], packing.radii[near]])
     spheres = np.ascontiguousarray(_with_images(spheres, packing.box))
@@ -106,7 +106,7 @@ def build_scene(packing: Packing, window: Window, reach: float) -> Scene:
     return Scene(packing, reach, low, size, cells, starts, columns, int(near.sum()))
 
 
-def _bounds(packing: Packing, window: Window, reach: float) -> tuple[FloatArray, FloatArray]:
+def bounds(packing: Packing, window: Window, reach: float) -> tuple[FloatArray, FloatArray]:
     """Corners of the box that holds everything a ray can meet down to `reach`."""
     wall = packing.wall
     low, high = np.zeros(3), np.zeros(3)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bedrad.packings.packing import Packing
-from bedrad.raytrace.kernels import PLATE, ROD, TUBE, UNSETTLED, trace
+from bedrad.raytrace.kernels import PLATE, ROD, TUBE, UNSETTLED, start_rays, trace
 from bedrad.raytrace.scene import Scene, build_scene
 from bedrad.walls import Plate, Tube, Window
 
@@ -47,10 +47,19 @@ class GridTracer:
             # a ray may pass the last layer and come back to it on the far side, but very few get much deeper
             reach = reach + EXTRA_REACH * packing.mean_diameter / 2 if len(packing) else packing.wall.radius
             reach = min(reach, packing.wall.radius)
-        self.near = build_scene(packing, window, reach)
+        self.reach = reach
+        self._near: Scene | None = None
         self.deep: Scene | None = None
         self.deep_rays = 0
         self._lock = threading.Lock()
+
+    @property
+    def near(self) -> Scene:
+        """The grid near the wall, built when it is first needed."""
+        with self._lock:
+            if self._near is None:
+                self._near = build_scene(self.packing, self.measured, self.reach)
+        return self._near
 
     def fates(self, points: FloatArray) -> FateArray:
         """Where the rays of some points end.
@@ -65,8 +74,25 @@ class GridTracer:
         (n,) int array
             The number of the layer, and from there on beyond the last, back to the wall, escaped.
         """
-        fates = np.empty(len(points), np.int16)
-        left = self._trace(self.near, points, fates)
+        rays = np.empty((7, len(points)))
+        start_rays(points, self.kind, self.wall_radius, self.window, rays)
+        return self.follow(rays)
+
+    def follow(self, rays: FloatArray) -> FateArray:
+        """Where some rays end.
+
+        Parameters
+        ----------
+        rays : (7, n) array
+            Origins on the wall [m], unit directions, cosines of the angle to the wall's normal.
+
+        Returns
+        -------
+        (n,) int array
+            As `fates`.
+        """
+        fates = np.empty(rays.shape[1], np.int16)
+        left = self._trace(self.near, rays, fates)
         if left:
             with self._lock:
                 self.deep_rays += left
@@ -74,14 +100,14 @@ class GridTracer:
                     self.deep = build_scene(self.packing, self.measured, self.wall_radius)
             deeper = np.flatnonzero(fates == UNSETTLED)
             rest = np.empty(len(deeper), np.int16)
-            self._trace(self.deep, points[deeper], rest)
+            self._trace(self.deep, np.ascontiguousarray(rays[:, deeper]), rest)
             fates[deeper] = rest
         return fates
 
-    def _trace(self, scene: Scene, points: FloatArray, fates: FateArray) -> int:
+    def _trace(self, scene: Scene, rays: FloatArray, fates: FateArray) -> int:
         return int(
             trace(
-                points, self.kind, self.wall_radius, self.window, self.edges, scene.reach,
+                rays, self.kind, self.wall_radius, self.edges, scene.reach,
                 scene.low, scene.size, scene.cells, np.array(self.packing.box),
                 scene.starts, scene.columns, np.empty(scene.most_in_a_cell), fates,
             )

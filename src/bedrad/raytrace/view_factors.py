@@ -6,36 +6,36 @@ import math
 import os
 import threading
 import time
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bedrad.packings.layers import block_count, check_edges, check_window, layer_edges
 from bedrad.packings.packing import Packing
-from bedrad.raytrace.factors import LeftOut, Step, ViewFactors, standard_error
-from bedrad.raytrace.sampling import DIMENSIONS, MOST_POINTS, SobolStreams
-from bedrad.raytrace.tracer import GridTracer
+from bedrad.raytrace.factors import FloatArray, LeftOut, Step, ViewFactors
+from bedrad.raytrace.patches import PatchTracer, Sample
 from bedrad.walls import Window
 
-__all__ = ["SCRAMBLINGS", "view_factors"]
+__all__ = ["MOST_RAYS", "view_factors"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Progress = Callable[[float, str], None]
 
-SCRAMBLINGS = 32
-"""Independent scramblings; their scatter gives the standard errors (31 degrees of freedom)."""
+FIRST_RAYS = 2**14
+"""Rays of the first round."""
 
-FIRST_POINTS = 2**10
-"""Rays a scrambling in the first round; every further round doubles the total."""
+LONGEST_STEP = 16.0
+"""Largest ratio of the rays of two rounds; what a round says of the next is worth little beyond."""
+
+MARGIN = 1.1
+"""Rays of a round over those that the tolerance seems to take, so that a further round is rarely needed."""
 
 EXPONENT = 0.56
 """Power of the number of rays with which the error falls, as measured on settled beds."""
 
-SURE_ROUNDS = 4
-"""Rounds after which the error is known well enough to say what a tolerance will take."""
+MOST_RAYS = 2**38
+"""More rays than this are refused: days of work."""
+
 
 def view_factors(
     packing: Packing,
@@ -96,36 +96,32 @@ def view_factors(
     parts = block_count(packing, measured) if blocks is None else blocks
     if parts < 1:
         raise ValueError(f"blocks is {blocks!r}; expected at least 1")
-    tracer = GridTracer(packing, depth_edges, measured)
-    # no rays: compiles the kernels on their first use, so that the rate of the rays is theirs alone
-    tracer.fates(np.empty((0, DIMENSIONS)))
+    tracer = PatchTracer(packing, depth_edges, measured)
+    tracer.compile()
     setup = time.perf_counter() - begin
-    streams = SobolStreams(seed, SCRAMBLINGS)
-    counts = np.zeros((SCRAMBLINGS, parts, len(depth_edges) + 2), np.int64)
+    sample = Sample.empty(parts, len(depth_edges) + 2)
     history: list[Step] = []
-    done, following = 0, FIRST_POINTS if target is not None else wanted // SCRAMBLINGS
+    following = wanted or FIRST_RAYS
     with _Workers(threads) as workers:
         while True:
-            workers.run(tracer, streams, counts, following - done, progress, _share(history, target))
-            done = following
-            history.append(_step(counts, done, time.perf_counter() - begin))
-            if target is None or (history[-1].largest_error <= target and 3.0 / (done * SCRAMBLINGS) <= target):
+            span = _share(history, target)
+            sample += workers.run(tracer, following, (seed, len(history)), parts, progress, span)
+            history.append(
+                Step(sample.rays, time.perf_counter() - begin, sample.shares, sample.covariance.diagonal() ** 0.5)
+            )
+            if target is None or (history[-1].largest_error <= target and 3.0 / sample.rays <= target):
                 break
-            _check_reach(history, target)
-            following = 2 * done
-    return ViewFactors.from_counts(
-        counts,
+            following = _next_rays(history, target)
+    return ViewFactors.from_sample(
+        sample.counts,
+        sample.covariance,
         edges=depth_edges,
         window=measured,
         history=tuple(history),
         seconds=time.perf_counter() - begin,
         setup_seconds=setup,
         seed=seed,
-        left_out=LeftOut(
-            spheres=tracer.near.left_out if tracer.deep is None else 0,
-            deep_rays=tracer.deep_rays,
-            reach=tracer.near.reach,
-        ),
+        left_out=LeftOut(spheres=tracer.left_out, deep_rays=tracer.grid.deep_rays, reach=tracer.grid.reach),
     )
 
 
@@ -142,9 +138,9 @@ def _check_effort(tolerance: float | None, rays: int | None) -> tuple[float | No
     if tolerance is not None and rays is not None:
         raise ValueError(f"give tolerance or rays, not both (tolerance={tolerance!r}, rays={rays!r})")
     if rays is not None:
-        if not 1 <= rays <= MOST_POINTS * SCRAMBLINGS:
-            raise ValueError(f"rays is {rays!r}; expected a whole number from 1 to {MOST_POINTS * SCRAMBLINGS}")
-        return None, max(SCRAMBLINGS, 1 << (int(rays) - 1).bit_length())
+        if not 1 <= rays <= MOST_RAYS:
+            raise ValueError(f"rays is {rays!r}; expected a whole number from 1 to {MOST_RAYS}")
+        return None, int(rays)
     target = 1e-3 if tolerance is None else float(tolerance)
     if not (math.isfinite(target) and target > 0):
         raise ValueError(f"tolerance is {tolerance!r}; expected a positive number")
@@ -158,63 +154,23 @@ def available_processors() -> int:
     return os.cpu_count() or 1
 
 
-def _check_reach(history: list[Step], target: float) -> None:
-    """Refuse a tolerance as soon as it is clear that it takes more rays than there are points."""
-    last, most = history[-1], MOST_POINTS * SCRAMBLINGS
-    needed = last.rays * max((last.largest_error / target) ** (1 / EXPONENT), 3.0 / (target * last.rays), 2.0)
-    # the first rounds say little about the error
-    if needed > most and (len(history) >= SURE_ROUNDS or 2 * last.rays > most):
+def _next_rays(history: list[Step], target: float) -> int:
+    """Rays that the tolerance seems to take beyond those traced.
+
+    Raises
+    ------
+    ValueError
+        If they are more than `MOST_RAYS`.
+    """
+    last = history[-1]
+    needed = last.rays * max((last.largest_error / target) ** (1 / EXPONENT), 3.0 / (target * last.rays), 1.0)
+    # the first round says little about the error
+    if needed > MOST_RAYS and len(history) > 1:
         raise ValueError(
-            f"tolerance {target:g} would take about {needed:.0e} rays, more than the {most:.0e} there are; "
+            f"tolerance {target:g} would take about {needed:.0e} rays, more than {MOST_RAYS:.0e}; "
             f"after {last.rays:,} rays the largest standard error is {last.largest_error:.1e}"
         )
-
-
-class _Workers:
-    """Threads that each trace whole scramblings; the kernels release the interpreter lock."""
-
-    def __init__(self, threads: int | None) -> None:
-        if threads is not None and threads < 1:
-            raise ValueError(f"threads is {threads!r}; expected at least 1")
-        self._count = threads or available_processors()
-        self._stop = threading.Event()
-
-    def __enter__(self) -> _Workers:
-        self._pool = ThreadPoolExecutor(self._count)
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        # an interrupt must not wait for the rays that were still to come
-        self._stop.set()
-        self._pool.shutdown(wait=True, cancel_futures=True)
-
-    def run(
-        self,
-        tracer: GridTracer,
-        streams: SobolStreams,
-        counts: IntArray,
-        points: int,
-        progress: Progress | None,
-        span: tuple[float, float],
-    ) -> None:
-        """Trace `points` more rays of every scrambling."""
-
-        def trace_stream(stream: int) -> None:
-            for batch in streams.draw(stream, points):
-                if self._stop.is_set():
-                    return
-                blocks, shares = counts.shape[1:]
-                block = np.minimum((batch[:, 0] * blocks).astype(np.int64), blocks - 1)
-                counts[stream] += np.bincount(
-                    block * shares + tracer.fates(batch), minlength=blocks * shares
-                ).reshape(blocks, shares)
-
-        futures = [self._pool.submit(trace_stream, s) for s in range(len(streams))]
-        for finished, future in enumerate(futures, start=1):
-            future.result()
-            if progress is not None:
-                share = span[0] + (span[1] - span[0]) * finished / len(futures)
-                progress(share, f"{len(streams) * points * finished // len(futures):,} rays in this round")
+    return int(max(min(MARGIN * needed, LONGEST_STEP * last.rays) - last.rays, last.rays))
 
 
 def _share(history: list[Step], target: float | None) -> tuple[float, float]:
@@ -223,11 +179,60 @@ def _share(history: list[Step], target: float | None) -> tuple[float, float]:
         return 0.0, 1.0
     if not history:
         return 0.0, 0.0
-    needed = max((history[-1].largest_error / target) ** (1 / EXPONENT), 1.0)
-    return min(1.0 / needed, 1.0), min(2.0 / needed, 1.0)
+    last = history[-1]
+    needed = max((last.largest_error / target) ** (1 / EXPONENT), 1.0)
+    return min(1.0 / needed, 1.0), min(LONGEST_STEP / needed, 1.0)
 
 
-def _step(counts: IntArray, points: int, seconds: float) -> Step:
-    shares = counts.sum(axis=1) / points
-    errors = standard_error(shares)
-    return Step(rays=points * len(shares), seconds=seconds, estimates=shares.mean(axis=0), errors=errors)
+class _Workers:
+    """Threads that each trace batches of patches; the kernels release the interpreter lock."""
+
+    def __init__(self, threads: int | None) -> None:
+        if threads is not None and threads < 1:
+            raise ValueError(f"threads is {threads!r}; expected at least 1")
+        self._count = threads or available_processors()
+        self._stop = threading.Event()
+        self._pool: ThreadPoolExecutor | None = None
+
+    def __enter__(self) -> _Workers:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        # an interrupt must not wait for the rays that were still to come
+        self._stop.set()
+        if self._pool is not None:
+            self._pool.shutdown(wait=True, cancel_futures=True)
+
+    def run(
+        self,
+        tracer: PatchTracer,
+        rays: int,
+        seed: tuple[int, int],
+        blocks: int,
+        progress: Progress | None,
+        span: tuple[float, float],
+    ) -> Sample:
+        """Trace so many rays or more."""
+        strata = tracer.strata(rays, seed, blocks)
+        batches = tracer.batches(strata)
+        total = Sample.empty(blocks, len(tracer.wall.edges) + 2)
+
+        def trace(groups: tuple[int, int]) -> Sample:
+            if self._stop.is_set():
+                return Sample.empty(blocks, len(tracer.wall.edges) + 2)
+            return tracer.trace(strata, groups, blocks)
+
+        if self._count > 1 and len(batches) > 1 and self._pool is None:
+            self._pool = ThreadPoolExecutor(self._count)
+        found: Iterator[Sample]
+        if self._pool is None:
+            found = map(trace, batches)
+        else:
+            found = (f.result() for f in as_completed([self._pool.submit(trace, groups) for groups in batches]))
+        # counts are whole numbers: their sum does not depend on the order
+        for finished, part in enumerate(found, start=1):
+            total += part
+            if progress is not None:
+                share = span[0] + (span[1] - span[0]) * finished / len(batches)
+                progress(share, f"{total.rays:,} rays in this round")
+        return total

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from bedrad.heat import correlations, wall_layer
 from bedrad.heat.radiation import WATKINS_FACTORS
 from bedrad.jobs.results import Results, StageData
-from bedrad.raytrace.factors import fold_leakage, standard_error
+from bedrad.raytrace.factors import covariance_of_mean, fold_leakage
 
 __all__ = [
     "CorrelatedLayer",
@@ -226,9 +226,10 @@ def _normalised(data: StageData) -> tuple[FloatArray, FloatArray, FloatArray]:
     if not float(data["layers"].sum()) > 0.0:
         none = np.full(count, math.nan)
         return none, none, none
-    ratio, by_scrambling = fold_leakage(data["scramblings"], count)
-    _, by_block = fold_leakage(data["block_shares"], count)
-    return ratio, standard_error(by_scrambling), standard_error(by_block)
+    shares = np.array([*data["layers"], data["beyond"], data["wall"], data["escaped"]])
+    ratio, error = fold_leakage(shares, data["covariance"], count)
+    _, bed_error = fold_leakage(shares, covariance_of_mean(data["block_shares"]), count)
+    return ratio, error, bed_error
 
 
 def correlated_layer(prediction: StageData | None) -> CorrelatedLayer | None:

@@ -1,0 +1,238 @@
+"""Stratified rays: the window is cut into patches; the rays of a patch are traced against the few spheres near it.
+
+Each stratum, a patch or a few of them, emits two halves of equally many rays, from independently shifted Sobol points.
+The halves' mean is the stratum's estimate, their difference measures its error; strata are independent, so that the
+variances add up to that of the whole, with as many degrees of freedom as there are strata.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from bedrad.packings.packing import Packing
+from bedrad.raytrace.candidate_kernels import Bins
+from bedrad.raytrace.patch_kernels import Grouping, Strata, make_room, trace_groups
+from bedrad.raytrace.tracer import KINDS, GridTracer
+from bedrad.walls import Plate, Window
+
+__all__ = ["PatchTracer", "Sample"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+SPHERES_PER_BIN = 4.0
+"""Mean number of spheres of one size class in a bin of the wall's surface."""
+
+PATCH = 0.55
+"""Side of a patch in effective radii where there are rays enough; smaller ones see hardly fewer spheres."""
+
+LARGEST_PATCH = 2.2
+"""Side of a patch in effective radii where rays are few."""
+
+LEAST_POINTS, MOST_POINTS = 32, 2**13
+"""Rays of one half of a stratum."""
+
+MOST_ANGLE = 0.6
+"""Widest patch beside a tube or rod. [rad]"""
+
+TILE = 4
+"""Patches along each side of a group that shares one search for spheres."""
+
+BATCH_RAYS = 2**16
+"""Rays of the groups that are traced at a time."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What some rays found.
+
+    Parameters
+    ----------
+    counts : (blocks, fates) int array
+        Number of rays by axial block of the origin and by fate.
+    scatter : (fates, fates) int array
+        Sum over the strata of the products of the differences between their two halves.
+    strata : int
+        Number of strata.
+    """
+
+    counts: IntArray
+    scatter: IntArray
+    strata: int
+
+    @classmethod
+    def empty(cls, blocks: int, fates: int) -> Sample:
+        """No rays yet."""
+        return cls(np.zeros((blocks, fates), np.int64), np.zeros((fates, fates), np.int64), 0)
+
+    def __add__(self, other: Sample) -> Sample:
+        """Both together, each ray with the same weight."""
+        return Sample(self.counts + other.counts, self.scatter + other.scatter, self.strata + other.strata)
+
+    @property
+    def rays(self) -> int:
+        """Number of rays."""
+        return int(self.counts.sum())
+
+    @property
+    def shares(self) -> FloatArray:
+        """Share of each fate."""
+        return np.asarray(self.counts.sum(axis=0) / self.rays)
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of the shares."""
+        return self.scatter / float(self.rays) ** 2
+
+
+def build_bins(packing: Packing, depth: float) -> Bins:
+    """Sort the spheres that reach less deep than `depth` into bins of the wall's surface."""
+    near = packing.depths - packing.radii < depth
+    centers, radii = packing.centers[near], packing.radii[near]
+    flat = isinstance(packing.wall, Plate)
+    axis = packing.wall.axial
+    along = centers[:, axis]
+    around = centers[:, 1] if flat else np.mod(np.arctan2(centers[:, 1], centers[:, 0]), 2 * math.pi)
+    periods = np.array([packing.box[axis], packing.box[1] if flat else 0.0])
+    to_length = 1.0 if flat else packing.wall.radius  # type: ignore[union-attr]
+    classes, shapes, starts, spheres, bins, placed = [], [], [], [], 0, 0
+    size_class = np.minimum(np.floor(np.log2(radii.max() / radii)), 15) if len(radii) else np.empty(0)
+    for size in np.unique(size_class):
+        member = size_class == size
+        z, y, largest = along[member], around[member], float(radii[member].max())
+        z_low, z_high = (0.0, periods[0]) if periods[0] else (z.min(), z.max())
+        y_low, y_high = (0.0, 2 * math.pi) if not flat else (0.0, periods[1]) if periods[1] else (y.min(), y.max())
+        area = max(z_high - z_low, largest) * max((y_high - y_low) * to_length, largest)
+        side = math.sqrt(SPHERES_PER_BIN * area / len(z))
+        nz, ny = (max(1, int(extent / side)) for extent in (z_high - z_low, (y_high - y_low) * to_length))
+        z_size, y_size = (max(z_high - z_low, largest) / nz, max(y_high - y_low, largest / to_length) / ny)
+        iz = np.clip(((z - z_low) / z_size).astype(np.int64), 0, nz - 1)
+        iy = np.clip(((y - y_low) / y_size).astype(np.int64), 0, ny - 1)
+        order = np.argsort(iy * nz + iz, kind="stable")
+        classes.append([largest, z_low, z_size, y_low, y_size])
+        shapes.append([nz, ny, bins])
+        starts.append(placed + np.searchsorted((iy * nz + iz)[order], np.arange(nz * ny)))
+        spheres.append(np.column_stack([centers[member], radii[member]])[order])
+        bins, placed = bins + nz * ny, placed + len(z)
+    return Bins(
+        classes=np.array(classes, dtype=float).reshape(-1, 5),
+        shapes=np.array(shapes, np.int64).reshape(-1, 3),
+        starts=np.concatenate([*starts, [placed]]).astype(np.int64),
+        spheres=np.ascontiguousarray(np.concatenate([*spheres, np.empty((0, 4))]).T),
+        periods=periods,
+        depth=math.inf if len(radii) == len(packing) else depth,
+    )
+
+
+class PatchTracer:
+    """Traces stratified rays from the patches of a window.
+
+    Parameters
+    ----------
+    packing : Packing
+        The bed.
+    edges : (layers + 1,) array
+        Depths that part the layers. [m]
+    window : Window
+        The piece of wall that emits.
+    """
+
+    def __init__(self, packing: Packing, edges: FloatArray, window: Window) -> None:
+        self.grid = GridTracer(packing, edges, window)
+        wall = packing.wall
+        flat = isinstance(wall, Plate)
+        self.to_length = 1.0 if isinstance(wall, Plate) else wall.radius
+        lateral = window.lateral if flat and window.lateral is not None else (0.0, 2 * math.pi)
+        self.window = np.array([window.axial[0], window.length, lateral[0], lateral[1] - lateral[0]])
+        depth = self.grid.reach
+        self.bins = build_bins(packing, depth)
+        self.effective_radius = self._effective_radius(packing, float(edges[1]))
+        ends = np.full((2, 2), (-math.inf, math.inf))
+        for row, axis in enumerate((wall.axial, 1) if flat else (wall.axial,)):
+            if not packing.box[axis]:
+                ends[row] = packing.extent(axis)
+        self.wall = Grouping(
+            kind=KINDS[wall.kind],
+            wall_radius=0.0 if isinstance(wall, Plate) else wall.radius,
+            edges=edges,
+            ends=ends,
+            first_shell=1.3 * self.effective_radius if len(packing) else math.inf,
+            tile=TILE,
+        )
+
+    def _effective_radius(self, packing: Packing, first_edge: float) -> float:
+        """Radius of equal spheres that would lie as densely near the wall."""
+        near = packing.depths - packing.radii < first_edge
+        if not near.any():
+            return math.sqrt(self.window[1] * self.window[3] * self.to_length)
+        radii = packing.radii[near]
+        area = self.window[3] * self.to_length * (np.ptp(packing.centers[:, packing.wall.axial]) + 2 * radii.max())
+        # a dense layer of spheres of radius r has about one in 4 r^2
+        return float(min(math.sqrt(area / (4.0 * len(radii))), radii.max()))
+
+    @property
+    def left_out(self) -> int:
+        """Number of spheres too deep for any of the rays so far."""
+        return 0 if self.grid.deep is not None else len(self.grid.packing) - self.bins.spheres.shape[1]
+
+    def compile(self) -> None:
+        """Trace no rays, so that the kernels are compiled on their first use and later times are those of rays."""
+        self.trace(self.strata(1, (0, 0)), (0, 0), 1)
+        self.grid.fates(np.empty((0, 4)))
+
+    def strata(self, rays: int, seed: tuple[int, int], blocks: int = 1) -> Strata:
+        """Cut the window, its axial blocks into whole strata, so that equal halves of all make so many rays or more."""
+        r = self.effective_radius
+        length, width = float(self.window[1]), float(self.window[3] * self.to_length)
+        density = rays / (length * width)
+        wanted = 0.5 * density * (PATCH * r) ** 2
+        points = int(min(max(2 ** round(math.log2(max(wanted, 1.0))), LEAST_POINTS), MOST_POINTS))
+        side = math.sqrt(2 * points / density)
+        along = blocks * math.ceil(length / side / blocks)
+        around = max(1, math.ceil(rays / (2 * points * along)))
+        most = min(LARGEST_PATCH * r, MOST_ANGLE * self.to_length if self.wall.kind != KINDS["plate"] else math.inf)
+        of_net, of_strata = np.random.SeedSequence(seed).spawn(2)
+        net = qmc.Sobol(4, scramble=True, bits=32, rng=np.random.default_rng(of_net)).random(points)
+        return Strata(
+            along=along,
+            around=around,
+            parts_along=max(1, math.ceil(length / along / (LARGEST_PATCH * r))),
+            parts_around=max(1, math.ceil(width / around / most)),
+            window=self.window,
+            net=np.ascontiguousarray((net * 2.0**32).astype(np.uint32).T),
+            seed=of_strata.generate_state(1, np.uint64)[0],
+        )
+
+    def batches(self, strata: Strata) -> list[tuple[int, int]]:
+        """Ranges of groups to be traced at a time."""
+        side = self._side(strata)
+        groups = math.ceil(strata.along / side) * math.ceil(strata.around / side)
+        step = max(1, BATCH_RAYS // (2 * strata.net.shape[1] * side**2))
+        return [(first, min(first + step, groups)) for first in range(0, groups, step)]
+
+    def trace(self, strata: Strata, groups: tuple[int, int], blocks: int) -> Sample:
+        """Trace the rays of a range of groups."""
+        most = (groups[1] - groups[0]) * self._side(strata) ** 2
+        fates = len(self.wall.edges) + 2
+        rows = np.full(most, -1)
+        counts = np.zeros((most, 2, fates), np.int64)
+        rays = most * 2 * strata.net.shape[1]
+        left, slots = np.empty((7, rays)), np.empty((rays, 2), np.int64)
+        unsettled = trace_groups(*groups, strata, self.wall, self.bins, *make_room(), rows, counts, left, slots)
+        if unsettled:
+            slots = slots[:unsettled]
+            np.add.at(counts, (slots[:, 0], slots[:, 1], self.grid.follow(left[:, :unsettled])), 1)
+        used = rows >= 0
+        rows, counts = rows[used], counts[used]
+        by_block = np.zeros((blocks, fates), np.int64)
+        np.add.at(by_block, rows * blocks // strata.along, counts.sum(axis=1))
+        difference = counts[:, 0] - counts[:, 1]
+        return Sample(by_block, difference.T @ difference, len(rows))
+
+    def _side(self, strata: Strata) -> int:
+        return 1 if strata.parts_along * strata.parts_around > 1 else self.wall.tile
