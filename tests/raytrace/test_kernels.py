@@ -74,7 +74,7 @@ def test_every_ray_ends_where_brute_force_says(kind, periodic):
     hits = first_hits(origins, directions, bed.centers, bed.radii, _shifts(bed))
     expected = fates(bed.wall, origins, directions, hits, EDGES, _ends(bed))
     found = np.empty(len(points), np.int16)
-    assert trace(np.ascontiguousarray(rays.T), number, wall_radius, EDGES, scene.reach, *_grid(scene), found) == 0
+    assert trace(np.ascontiguousarray(rays.T), number, wall_radius, EDGES, scene.reach, np.inf, *_grid(scene), found) == 0
     np.testing.assert_array_equal(found, expected)
     assert len(np.unique(found)) >= 4
     met = np.flatnonzero(expected < layers)

@@ -7,6 +7,7 @@ import pytest
 from scipy import stats
 
 import bedrad
+from bedrad.raytrace.tracer import GridTracer
 from bedrad.walls import Window
 from oracles.beds import axial_chain, hexagonal_layer, random_bed
 
@@ -135,12 +136,27 @@ def test_spheres_too_deep_for_any_ray_change_nothing():
 def test_the_lazy_grid_of_a_tube_gives_what_the_whole_bed_gives(monkeypatch):
     bed = random_bed(bedrad.Tube(12.0), 150, seed=8, length=6.0, spread=11.0, period=6.0)
     edges = [0.0, 0.7, 2.0, 3.0]
+    monkeypatch.setattr("bedrad.raytrace.tracer.EXTRA_REACH", 0.1)
     lazy = bedrad.view_factors(bed, edges, rays=2**15, seed=1)
     assert lazy.left_out.deep_rays > 100
     monkeypatch.setattr("bedrad.raytrace.tracer.EXTRA_REACH", 100.0)
     whole = bedrad.view_factors(bed, edges, rays=2**15, seed=1)
     assert whole.left_out.deep_rays == 0
     np.testing.assert_array_equal(lazy.covariance, whole.covariance)
+    np.testing.assert_array_equal(lazy.layers, whole.layers)
+
+
+@pytest.mark.parametrize("period", [6.0, None])
+def test_rays_that_skip_the_hollow_of_a_tube_end_where_those_that_walk_do(period):
+    """Spheres near the wall only; rays that pass them cross the empty core, out of the open ends too."""
+    bed = random_bed(bedrad.Tube(40.0), 400, seed=8, length=6.0, spread=4.0, period=period)
+    tracer = GridTracer(bed, np.array([0.0, 1.0, 2.0]), Window((2.0, 4.0)))
+    points = np.random.default_rng(3).random((40_000, 4))
+    assert tracer.hollow < 20.0
+    skipping = tracer.fates(points)
+    tracer.hollow = np.inf
+    np.testing.assert_array_equal(skipping, tracer.fates(points))
+    assert len(np.unique(skipping)) >= 4
 
 
 def test_a_sphere_through_the_wall_takes_the_wall_it_covers():

@@ -264,7 +264,17 @@ def start_rays(points, kind, wall_radius, window, rays):
 
 
 @njit(**OPTIONS)
-def trace(rays, kind, wall_radius, edges, reach, low, size, cells, period, starts, columns, distances, fates):
+def _jump(ox, oy, oz, dx, dy, dz, t, low, size, cells, period):
+    """Move the origin of a ray along it by t, back into the grid where it is periodic along z; whether it is inside."""
+    ox, oy, oz = ox + t * dx, oy + t * dy, oz + t * dz
+    top = low[2] + cells[2] * size[2]
+    if period[2] > 0.0:
+        oz = min(oz - period[2] * math.floor((oz - low[2]) / period[2]), top)
+    return ox, oy, oz, low[2] <= oz <= top
+
+
+@njit(**OPTIONS)
+def trace(rays, kind, wall_radius, edges, reach, hollow, low, size, cells, period, starts, columns, distances, fates):
     """Trace rays through a grid and say where each ends.
 
     Parameters
@@ -279,6 +289,8 @@ def trace(rays, kind, wall_radius, edges, reach, low, size, cells, period, start
         Depths that part the layers.
     reach : float
         Depth down to which the grid is complete.
+    hollow : float
+        Depth from which on a tube holds no spheres; rays skip what lies deeper.
     low, size, cells, period, starts, columns, distances
         The grid, see `first_hit`.
     fates : (n,) array
@@ -295,7 +307,17 @@ def trace(rays, kind, wall_radius, edges, reach, low, size, cells, period, start
     for i in range(rays.shape[1]):
         ox, oy, oz, dx, dy, dz = rays[0, i], rays[1, i], rays[2, i], rays[3, i], rays[4, i], rays[5, i]
         wall, deep = _far_limit(kind, wall_radius, reach, dx, dy, rays[6, i])
-        t = first_hit(ox, oy, oz, dx, dy, dz, min(wall, deep), low, size, cells, period, starts, columns, distances)
+        limit = min(wall, deep)
+        if kind == TUBE and hollow < min(wall_radius, reach):
+            _, inner = _far_limit(kind, wall_radius, hollow, dx, dy, rays[6, i])
+            limit = min(limit, inner)
+        t = first_hit(ox, oy, oz, dx, dy, dz, limit, low, size, cells, period, starts, columns, distances)
+        if t == LIMIT and limit < min(wall, deep):
+            # a chord is the same from both its ends
+            ox, oy, oz, inside = _jump(ox, oy, oz, dx, dy, dz, wall - limit, low, size, cells, period)
+            t = ESCAPED
+            if inside:
+                t = first_hit(ox, oy, oz, dx, dy, dz, limit, low, size, cells, period, starts, columns, distances)
         if t == ESCAPED:
             fates[i] = layers + 2
         elif t < LIMIT:

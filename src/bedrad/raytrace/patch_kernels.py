@@ -48,9 +48,6 @@ FEW = 3
 
 SURE_SHELLS = 3
 
-WANTED = 9.0
-"""Spheres that the first shell should hold; its distance follows what the last patch needed."""
-
 MOST_ADAPTED = 4.0
 """Largest ratio of the first shell's distance to that where it begins."""
 
@@ -73,6 +70,10 @@ class Strata(NamedTuple):
         The points of one half of a stratum, before they are shifted: along, around, polar, azimuth.
     seed : int
         Decides shifts and drawn patches.
+    tile : int
+        Patches along each side of a group that shares one search for spheres.
+    wanted : float
+        Spheres that the first shell should hold; its distance follows what the last patch needed.
     """
 
     along: int
@@ -82,6 +83,8 @@ class Strata(NamedTuple):
     window: NDArray[np.float64]
     net: NDArray[np.uint32]
     seed: np.uint64
+    tile: int
+    wanted: float
 
 
 class Grouping(NamedTuple):
@@ -99,8 +102,6 @@ class Grouping(NamedTuple):
         Ends of the bed along and across, infinite where it is periodic or closed.
     first_shell : float
         Distance of the first shell to begin with.
-    tile : int
-        Patches along each side of a group that shares one search for spheres.
     """
 
     kind: int
@@ -108,7 +109,6 @@ class Grouping(NamedTuple):
     edges: NDArray[np.float64]
     ends: NDArray[np.float64]
     first_shell: float
-    tile: int
 
 
 @njit(inline="always", **LEAN)
@@ -180,7 +180,7 @@ def _widen(search, bins, tile, upper, kind, wall_radius, room):
 
 
 @njit(**LEAN)
-def _add_shell(search, bins, tile, patch, kind, wall_radius, first_shell, room):
+def _add_shell(search, bins, tile, patch, kind, wall_radius, first_shell, wanted, room):
     """Add the next shell around a patch; False if no wider one can be complete."""
     shell = search.counts[SHELL]
     lower = search.upto[shell - 1] if shell else -math.inf
@@ -202,13 +202,13 @@ def _add_shell(search, bins, tile, patch, kind, wall_radius, first_shell, room):
     search.ends[shell], search.upto[shell] = found, upper
     search.counts[SHELL] = shell + 1
     if shell == 0:
-        adapted = upper * min(max((WANTED + 1.0) / (found + 1.0), 0.8), 1.25)
+        adapted = upper * min(max((wanted + 1.0) / (found + 1.0), 0.8), 1.25)
         search.upto[FIRST] = min(adapted, MOST_ADAPTED * first_shell)
     return True
 
 
 @njit(**LEAN)
-def _settle(rays, spare, index, count, search, bins, tile, patch, kind, wall_radius, first_shell, room):
+def _settle(rays, spare, index, count, search, bins, tile, patch, kind, wall_radius, first_shell, wanted, room):
     """Find the nearest hits of a block, shell by shell.
 
     Returns the number of rays that no shell settled; their numbers are the first in ``index[0]``.
@@ -216,7 +216,7 @@ def _settle(rays, spare, index, count, search, bins, tile, patch, kind, wall_rad
     open_rays, now, target = count, rays, 0
     for shell in range(SHELLS):
         if shell == search.counts[SHELL] and not _add_shell(
-            search, bins, tile, patch, kind, wall_radius, first_shell, room
+            search, bins, tile, patch, kind, wall_radius, first_shell, wanted, room
         ):
             break
         begin = search.ends[shell - 1] if shell else 0
@@ -288,7 +288,19 @@ def _trace_half(half, slot, key, strata, wall, bins, tile, patch, search, scratc
                 lower, upper = wall.ends[axis, 0] - middle, wall.ends[axis, 1] - middle
                 end_at(rays, count, OY if axis else OZ, lower, upper, layers + 2.0)
         kept = _settle(
-            rays, spare, index, count, search, bins, tile, patch, wall.kind, wall.wall_radius, wall.first_shell, room
+            rays,
+            spare,
+            index,
+            count,
+            search,
+            bins,
+            tile,
+            patch,
+            wall.kind,
+            wall.wall_radius,
+            wall.first_shell,
+            strata.wanted,
+            room,
         )
         at = _hand_back(rays, index[0], kept, patch, wall.kind, wall.wall_radius, slot, half, left, slots, at)
         find_fates(rays, count, wall.kind, wall.wall_radius, wall.edges, fates)
@@ -328,7 +340,7 @@ def trace_groups(first, last, strata, wall, bins, search, scratch, rows, counts,
     """
     search.upto[FIRST] = wall.first_shell
     drawn = strata.parts_along * strata.parts_around > 1
-    side = 1 if drawn else wall.tile
+    side = 1 if drawn else strata.tile
     tiles = (strata.around + side - 1) // side
     length, width = strata.window[1] / strata.along, strata.window[3] / strata.around
     at, slot = 0, -1

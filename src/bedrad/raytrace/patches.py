@@ -28,20 +28,18 @@ IntArray = NDArray[np.int64]
 SPHERES_PER_BIN = 4.0
 """Mean number of spheres of one size class in a bin of the wall's surface."""
 
-PATCH = 0.55
-"""Side of a patch in effective radii where there are rays enough; smaller ones see hardly fewer spheres."""
+SMALLEST_PATCH, LARGE_PATCH, LARGEST_PATCH = 0.5, 3.3, 7.0
+"""Sides of a patch in effective radii: smaller ones see hardly fewer spheres; larger ones see too many, but a stratum
+is rather one large patch than several of which each half draws one."""
 
-LARGEST_PATCH = 2.2
-"""Side of a patch in effective radii where rays are few."""
-
-LEAST_POINTS, MOST_POINTS = 32, 2**13
-"""Rays of one half of a stratum."""
+LEAST_POINTS, GOOD_POINTS, MOST_POINTS = 32, 512, 2**14
+"""Rays of one half of a stratum: at least, as many as make the search for spheres cheap, at most."""
 
 MOST_ANGLE = 0.6
 """Widest patch beside a tube or rod. [rad]"""
 
-TILE = 4
-"""Patches along each side of a group that shares one search for spheres."""
+TILE = 2.2
+"""Side of a group of patches that share one search for spheres, in effective radii."""
 
 BATCH_RAYS = 2**16
 """Rays of the groups that are traced at a time."""
@@ -129,6 +127,11 @@ def build_bins(packing: Packing, depth: float) -> Bins:
     )
 
 
+def _power_of_two(wanted: float, least: int, most: int) -> int:
+    """The largest power of two that is not above `wanted`, within bounds."""
+    return min(max(2 ** math.floor(math.log2(max(wanted, 1.0))), least), most)
+
+
 class PatchTracer:
     """Traces stratified rays from the patches of a window.
 
@@ -149,8 +152,7 @@ class PatchTracer:
         self.to_length = 1.0 if isinstance(wall, Plate) else wall.radius
         lateral = window.lateral if flat and window.lateral is not None else (0.0, 2 * math.pi)
         self.window = np.array([window.axial[0], window.length, lateral[0], lateral[1] - lateral[0]])
-        depth = self.grid.reach
-        self.bins = build_bins(packing, depth)
+        self.bins = build_bins(packing, self.grid.near_depth)
         self.effective_radius = self._effective_radius(packing, float(edges[1]))
         ends = np.full((2, 2), (-math.inf, math.inf))
         for row, axis in enumerate((wall.axial, 1) if flat else (wall.axial,)):
@@ -162,7 +164,6 @@ class PatchTracer:
             edges=edges,
             ends=ends,
             first_shell=1.3 * self.effective_radius if len(packing) else math.inf,
-            tile=TILE,
         )
 
     def _effective_radius(self, packing: Packing, first_edge: float) -> float:
@@ -178,7 +179,8 @@ class PatchTracer:
     @property
     def left_out(self) -> int:
         """Number of spheres too deep for any of the rays so far."""
-        return 0 if self.grid.deep is not None else len(self.grid.packing) - self.bins.spheres.shape[1]
+        packing, reached = self.grid.packing, max(self.grid.reached, self.grid.near_depth)
+        return int(np.count_nonzero(packing.depths - packing.radii >= reached))
 
     def compile(self) -> None:
         """Trace no rays, so that the kernels are compiled on their first use and later times are those of rays."""
@@ -190,8 +192,8 @@ class PatchTracer:
         r = self.effective_radius
         length, width = float(self.window[1]), float(self.window[3] * self.to_length)
         density = rays / (length * width)
-        wanted = 0.5 * density * (PATCH * r) ** 2
-        points = int(min(max(2 ** round(math.log2(max(wanted, 1.0))), LEAST_POINTS), MOST_POINTS))
+        points = _power_of_two(0.5 * density * (LARGE_PATCH * r) ** 2, LEAST_POINTS, GOOD_POINTS)
+        points = _power_of_two(0.5 * density * (SMALLEST_PATCH * r) ** 2, points, MOST_POINTS)
         side = math.sqrt(2 * points / density)
         along = blocks * math.ceil(length / side / blocks)
         around = max(1, math.ceil(rays / (2 * points * along)))
@@ -206,6 +208,8 @@ class PatchTracer:
             window=self.window,
             net=np.ascontiguousarray((net * 2.0**32).astype(np.uint32).T),
             seed=of_strata.generate_state(1, np.uint64)[0],
+            tile=max(1, round(TILE * r / side)),
+            wanted=7.0 + 2.6 * (min(side, most) / r) ** 2,
         )
 
     def batches(self, strata: Strata) -> list[tuple[int, int]]:
@@ -235,4 +239,4 @@ class PatchTracer:
         return Sample(by_block, difference.T @ difference, len(rows))
 
     def _side(self, strata: Strata) -> int:
-        return 1 if strata.parts_along * strata.parts_around > 1 else self.wall.tile
+        return 1 if strata.parts_along * strata.parts_around > 1 else strata.tile

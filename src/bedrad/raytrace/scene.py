@@ -12,14 +12,14 @@ from bedrad.packings.packing import Packing
 from bedrad.raytrace.kernels import fill_cells
 from bedrad.walls import Plate, Rod, Tube, Window
 
-__all__ = ["Scene", "bounds", "build_scene"]
+__all__ = ["PADDING", "Scene", "bounds", "build_scene"]
 
 FloatArray = NDArray[np.float64]
 
 SPHERES_PER_CELL = 8.0
 """Mean number of spheres a cell, counted by centres, that the grid aims for."""
 
-MOST_CELLS_PER_SPHERE = 8.0
+MOST_CELLS_PER_SPHERE = 4.0
 """Bound on the grid's memory where most of its volume is empty."""
 
 PADDING = 1.0 + 1e-6

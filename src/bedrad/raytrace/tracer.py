@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from bedrad.packings.packing import Packing
 from bedrad.raytrace.kernels import PLATE, ROD, TUBE, UNSETTLED, start_rays, trace
-from bedrad.raytrace.scene import Scene, build_scene
+from bedrad.raytrace.scene import PADDING, Scene, build_scene
 from bedrad.walls import Plate, Tube, Window
 
 __all__ = ["EXTRA_REACH", "GridTracer"]
@@ -42,16 +43,27 @@ class GridTracer:
         self.wall_radius = 0.0 if isinstance(packing.wall, Plate) else packing.wall.radius
         lateral = window.lateral or (0.0, 0.0)
         self.window = np.array([window.axial[0], window.length, lateral[0], lateral[1] - lateral[0]], dtype=float)
-        reach = float(edges[-1])
+        self.near_depth = self.reach = float(edges[-1])
+        self.hollow = math.inf
         if isinstance(packing.wall, Tube):
             # a ray may pass the last layer and come back to it on the far side, but very few get much deeper
-            reach = reach + EXTRA_REACH * packing.mean_diameter / 2 if len(packing) else packing.wall.radius
-            reach = min(reach, packing.wall.radius)
-        self.reach = reach
+            extra = EXTRA_REACH * packing.mean_diameter / 2 if len(packing) else math.inf
+            self.near_depth = self.reach = min(self.reach + extra, packing.wall.radius)
+            surface = packing.depths - packing.radii
+            if 2 * np.count_nonzero(surface < self.reach) >= len(packing):
+                # a second grid would cost more than the rest of the spheres in the first
+                self.reach = packing.wall.radius
+            if len(packing):
+                self.hollow = float((packing.depths + packing.radii).max()) * PADDING
         self._near: Scene | None = None
         self.deep: Scene | None = None
         self.deep_rays = 0
         self._lock = threading.Lock()
+
+    @property
+    def reached(self) -> float:
+        """Depth down to which spheres are in a grid, 0 if none was needed."""
+        return self.wall_radius if self.deep is not None else self.reach if self._near is not None else 0.0
 
     @property
     def near(self) -> Scene:
@@ -107,7 +119,7 @@ class GridTracer:
     def _trace(self, scene: Scene, rays: FloatArray, fates: FateArray) -> int:
         return int(
             trace(
-                rays, self.kind, self.wall_radius, self.edges, scene.reach,
+                rays, self.kind, self.wall_radius, self.edges, scene.reach, self.hollow,
                 scene.low, scene.size, scene.cells, np.array(self.packing.box),
                 scene.starts, scene.columns, np.empty(scene.most_in_a_cell), fates,
             )

@@ -15,7 +15,7 @@ from bedrad.jobs.fields import CONVERGENCE, PREDICTION, STATISTICS, SYSTEM, WALL
 from bedrad.jobs.results import Results, StageData
 from bedrad.report.records import Record, cases, celsius, load, radiation_gain, stated, targets
 
-__all__ = ["write_tables"]
+__all__ = ["Table", "write_table", "write_tables"]
 
 Table = dict[str, list[Any]]
 """Names of columns, units included, to their values."""
@@ -50,7 +50,7 @@ def write_tables(results: Results, folder: Path) -> list[Path]:
     written = []
     for name, table in _tables(record).items():
         path = Path(folder) / f"{results.path.stem}_{name}.csv"
-        _write(path, table)
+        write_table(path, table)
         written.append(path)
     return written
 
@@ -77,7 +77,8 @@ def _tables(record: Record) -> dict[str, Table]:
     return tables
 
 
-def _write(path: Path, table: Table) -> None:
+def write_table(path: Path, table: Table) -> None:
+    """Write one table as CSV, whole or not at all; OSError if it cannot be written."""
     with atomic_path(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(table)

@@ -26,7 +26,7 @@ from bedrad.report.records import (
     with_error,
 )
 
-__all__ = ["summary"]
+__all__ = ["add_row", "new_table", "summary"]
 
 SHOWN_TEMPERATURES = 6
 """Wall temperatures in the tables, evenly spread over those computed."""
@@ -67,7 +67,7 @@ def summary(results: Results) -> RenderableType:
     return Group(*parts)
 
 
-def _table(title: str, first: str, *columns: str) -> Table:
+def new_table(title: str, first: str, *columns: str) -> Table:
     """A table with a title to the left, texts in the first column and numbers in the others."""
     table = Table(
         title=Text(title, style="bold"),
@@ -85,7 +85,7 @@ def _table(title: str, first: str, *columns: str) -> Table:
     return table
 
 
-def _add(table: Table, *cells: str) -> None:
+def add_row(table: Table, *cells: str) -> None:
     """Add a row of texts as they are: rich would take [...] in a string for a style."""
     table.add_row(*(Text(cell) for cell in cells))
 
@@ -94,7 +94,7 @@ def _statistics(data: StageData, prediction: StageData | None) -> Table:
     """The wall layer measured, and beside it by correlation."""
     correlated = correlated_layer(prediction)
     headings = ["measured"] + (["by correlation"] if correlated else [])
-    table = _table("Wall layer", "", *headings)
+    table = new_table("Wall layer", "", *headings)
     rows = (
         ("solid fraction phi_wa", "packing_fraction", 1.0),
         ("wall contacts per area n_C [1/mm²]", "contacts_per_area", 1e-6),
@@ -110,7 +110,7 @@ def _statistics(data: StageData, prediction: StageData | None) -> Table:
         if correlated is not None:
             given = getattr(correlated, name, None)
             cells.append("" if given is None else f"{scale * given:.3f}")
-        _add(table, text, *cells)
+        add_row(table, text, *cells)
     notes = [f"contact: gap up to {data['contact_gap']:g} radii"]
     if correlated is not None:
         notes.append(f"by correlation: a flow at {correlated.velocity:g} m/s (Watkins 2018, eq. 31, 38-40)")
@@ -119,7 +119,7 @@ def _statistics(data: StageData, prediction: StageData | None) -> Table:
 
 
 def _view_factors(data: StageData) -> Table:
-    table = _table(
+    table = new_table(
         "View factors from the wall", "to", "depth [mm]", "traced", "± rays", "± bed", "normalised", "published"
     )
     rows = list(targets(data))
@@ -127,7 +127,7 @@ def _view_factors(data: StageData) -> Table:
         depth = {"beyond": f"> {1e3 * row.near:.3g}"}.get(row.name, "")
         if row.name.startswith("layer"):
             depth = f"{1e3 * row.near:.3g} to {1e3 * row.far:.3g}"
-        _add(
+        add_row(
             table,
             {"beyond": "beyond layers", "wall": "back to wall",
              "escaped": "open ends"}.get(row.name, row.name),
@@ -138,7 +138,7 @@ def _view_factors(data: StageData) -> Table:
             "" if math.isnan(row.watkins) else f"{row.watkins:.5f}",
             "" if math.isnan(row.published) else f"{row.published:.2f}",
         )  # fmt: skip
-    _add(table, "sum", "", f"{math.fsum(row.factor for row in rows):.5f}")
+    add_row(table, "sum", "", f"{math.fsum(row.factor for row in rows):.5f}")
     table.caption = Text(
         "normalised: leakage folded into the layers, as in the published factors\n"
         "published: 0.6 mm in a 7.75 mm tube, flow at 0.016 m/s (Watkins 2018, Table 5.3)"
@@ -179,11 +179,11 @@ def _values(case: StageData, name: str, decimals: int, scale: float = 1.0) -> li
 
 
 def _by_temperature(title: str, case: StageData, columns: Sequence[tuple[str, Sequence[str]]]) -> Table:
-    table = _table(title, "T_wall\n\n[°C]", *(heading for heading, _ in columns))
+    table = new_table(title, "T_wall\n\n[°C]", *(heading for heading, _ in columns))
     table.columns[0].justify = "right"
     T = np.atleast_1d(celsius(case["wall_temperature"]))[_chosen(case)]
     for row in zip((f"{round(t, 1):g}" for t in T), *(values for _, values in columns), strict=True):
-        _add(table, *row)
+        add_row(table, *row)
     return table
 
 
@@ -237,11 +237,11 @@ def _published(published: Mapping[str, StageData]) -> Table:
     T = np.atleast_1d(celsius(first["wall_temperature"]))[_chosen(first)]
     headings = ["A\n", "d\n[µm]", "U\n[m/s]", *(f"{round(t, 1):g}\n°C" for t in T), f"h at\n{T[-1]:.4g} °C"]
     title = "Gain of h by radiation [%], and h [W/(m² K)], in the published systems"
-    table = _table(title, "\n", *headings)
+    table = new_table(title, "\n", *headings)
     table.caption = Text("Watkins 2018, Table 5.1; published: gain up to 29 %")
     for case in published.values():
         chosen = _chosen(case)
-        _add(
+        add_row(
             table,
             str(case["title"]).removeprefix("Table 5.1, ").replace("configuration", "config."),
             f"{case['diameter_ratio']:.1f}",
@@ -262,22 +262,22 @@ def _costs(record: Record) -> Table:
     stages = record.stages
     settled = stages.get("packing", {}).get("provenance", {})
     if "run_seconds" in settled:
-        _add(table, "settling", _seconds(settled["run_seconds"]), f"{int(settled.get('spheres', 0)):,} spheres")
+        add_row(table, "settling", _seconds(settled["run_seconds"]), f"{int(settled.get('spheres', 0)):,} spheres")
     if "statistics" in stages:
         data = stages["statistics"]
         outside = [f"{data[k]:,} {text}" for k, text in _LEFT_OUT.items() if k in data]
         text = f"{data['spheres']:,} spheres" + (f"; left out: {', '.join(outside)}" if outside else "")
-        _add(table, "statistics", _seconds(data["seconds"]), text)
+        add_row(table, "statistics", _seconds(data["seconds"]), text)
     if "view_factors" in stages:
         data = stages["view_factors"]
         rate = data["rays"] / max(data["seconds"] - data["setup_seconds"], 1e-9) / 1e6
         left = f"; left out: {data['left_out']}" if "left_out" in data else ""
         text = f"{data['rays']:,} rays, {rate:.1f} million a second{left}"
-        _add(table, "view factors", _seconds(data["seconds"]), text)
+        add_row(table, "view factors", _seconds(data["seconds"]), text)
     if "convergence" in stages:
         data = stages["convergence"]
         rays = data["reference_rays"] + data["seeds"] * int(np.sum(data["rays"]))
-        _add(table, "convergence", _seconds(data["total_seconds"]), f"{rays:,} rays{_exponent(data)}")
+        add_row(table, "convergence", _seconds(data["total_seconds"]), f"{rays:,} rays{_exponent(data)}")
     return table
 
 
