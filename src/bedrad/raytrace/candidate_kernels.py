@@ -40,7 +40,7 @@ class Bins(NamedTuple):
     periods : (2,) array
         Period along the axis and across, 0 where open.
     depth : float
-        Spheres that are deeper than this everywhere are not in the bins.
+        Spheres farther than this from the whole wall, and not out of reach of all rays, are not in the bins.
     """
 
     classes: NDArray[np.float64]

@@ -43,10 +43,11 @@ SHELLS = 8
 GROWTH = 1.6
 """Ratio of the outer distances of two shells."""
 
-FEW = 3
-"""So few rays, after `SURE_SHELLS` shells, are not worth another shell."""
+WALK_COST, SEARCH_COST = 14.0, 80.0
+"""What following a ray through the grid and finding the spheres of another shell cost, in tests of eight rays."""
 
-SURE_SHELLS = 3
+FAR_BLOCK = 200
+"""Rays of a half from which on a group's first search takes in the second and third shell."""
 
 MOST_ADAPTED = 4.0
 """Largest ratio of the first shell's distance to that where it begins."""
@@ -180,20 +181,22 @@ def _widen(search, bins, tile, upper, kind, wall_radius, room):
 
 
 @njit(**LEAN)
-def _add_shell(search, bins, tile, patch, kind, wall_radius, first_shell, wanted, room):
+def _add_shell(search, bins, tile, patch, wall, strata, room):
     """Add the next shell around a patch; False if no wider one can be complete."""
     shell = search.counts[SHELL]
     lower = search.upto[shell - 1] if shell else -math.inf
     upper = lower * GROWTH if shell else search.upto[FIRST]
     if upper > search.upto[HORIZON]:
-        # the patches of a group need nearly the same spheres, and most blocks a second and third shell
-        _widen(search, bins, tile, upper if shell else upper * GROWTH * GROWTH, kind, wall_radius, room)
+        if shell == 0 and (strata.tile > 1 or strata.net.shape[1] >= FAR_BLOCK):
+            # the patches of a group need nearly the same spheres, and most large blocks a second and third shell
+            _widen(search, bins, tile, upper * GROWTH * GROWTH, wall.kind, wall.wall_radius, room)
+        _widen(search, bins, tile, upper, wall.kind, wall.wall_radius, room)
         upper = min(upper, search.upto[HORIZON])
     if not upper > max(lower, 0.0):
         return False
     known, near = search.counts[LOCAL], search.counts[NEAR]
     if known < near:
-        localise(search.near, known, near - known, 0.0, 0.0, patch, kind, wall_radius, search.local, known)
+        localise(search.near, known, near - known, 0.0, 0.0, patch, wall.kind, wall.wall_radius, search.local, known)
         search.counts[LOCAL] = near
     at = search.ends[shell - 1] if shell else 0
     found = select(search.local, near, lower, upper, search.candidates, at)
@@ -202,22 +205,32 @@ def _add_shell(search, bins, tile, patch, kind, wall_radius, first_shell, wanted
     search.ends[shell], search.upto[shell] = found, upper
     search.counts[SHELL] = shell + 1
     if shell == 0:
-        adapted = upper * min(max((wanted + 1.0) / (found + 1.0), 0.8), 1.25)
-        search.upto[FIRST] = min(adapted, MOST_ADAPTED * first_shell)
+        adapted = upper * min(max((strata.wanted + 1.0) / (found + 1.0), 0.8), 1.25)
+        search.upto[FIRST] = min(adapted, MOST_ADAPTED * wall.first_shell)
     return True
 
 
+@njit(inline="always", **LEAN)
+def _worth_a_shell(kept, shell, search):
+    """Whether testing the unsettled rays against another shell costs less than following most of them on their own."""
+    tested = search.ends[shell - 1]
+    if shell < search.counts[SHELL]:
+        cost = float(search.ends[shell] - tested)
+    else:
+        # a shell holds as many spheres as its volume has room for
+        cost = (GROWTH**3 - 1.0) * tested + SEARCH_COST
+    return cost * (0.75 + 0.03 * kept) < 0.75 * WALK_COST * kept
+
+
 @njit(**LEAN)
-def _settle(rays, spare, index, count, search, bins, tile, patch, kind, wall_radius, first_shell, wanted, room):
+def _settle(rays, spare, index, count, search, bins, tile, patch, wall, strata, room):
     """Find the nearest hits of a block, shell by shell.
 
     Returns the number of rays that no shell settled; their numbers are the first in ``index[0]``.
     """
     open_rays, now, target = count, rays, 0
     for shell in range(SHELLS):
-        if shell == search.counts[SHELL] and not _add_shell(
-            search, bins, tile, patch, kind, wall_radius, first_shell, wanted, room
-        ):
+        if shell == search.counts[SHELL] and not _add_shell(search, bins, tile, patch, wall, strata, room):
             break
         begin = search.ends[shell - 1] if shell else 0
         # a few rays too many cost nothing: the compiler takes them eight at a time
@@ -232,7 +245,7 @@ def _settle(rays, spare, index, count, search, bins, tile, patch, kind, wall_rad
         for j in range(kept):
             index[0, j] = index[0, index[1, j]] if shell else index[1, j]
         open_rays, now, target = kept, spare[target], 1 - target
-        if kept == 0 or (shell + 1 >= SURE_SHELLS and kept <= FEW):
+        if kept == 0 or not _worth_a_shell(kept, shell + 1, search):
             return kept
     if search.counts[SHELL] == 0:
         for j in range(count):
@@ -287,21 +300,7 @@ def _trace_half(half, slot, key, strata, wall, bins, tile, patch, search, scratc
                 middle = patch.around if axis else patch.along
                 lower, upper = wall.ends[axis, 0] - middle, wall.ends[axis, 1] - middle
                 end_at(rays, count, OY if axis else OZ, lower, upper, layers + 2.0)
-        kept = _settle(
-            rays,
-            spare,
-            index,
-            count,
-            search,
-            bins,
-            tile,
-            patch,
-            wall.kind,
-            wall.wall_radius,
-            wall.first_shell,
-            strata.wanted,
-            room,
-        )
+        kept = _settle(rays, spare, index, count, search, bins, tile, patch, wall, strata, room)
         at = _hand_back(rays, index[0], kept, patch, wall.kind, wall.wall_radius, slot, half, left, slots, at)
         find_fates(rays, count, wall.kind, wall.wall_radius, wall.edges, fates)
         for j in range(kept):

@@ -18,7 +18,7 @@ from bedrad.packings.packing import Packing
 from bedrad.raytrace.candidate_kernels import Bins
 from bedrad.raytrace.patch_kernels import Grouping, Strata, make_room, trace_groups
 from bedrad.raytrace.tracer import KINDS, GridTracer
-from bedrad.walls import Plate, Window
+from bedrad.walls import Plate, Tube, Window
 
 __all__ = ["PatchTracer", "Sample"]
 
@@ -123,13 +123,14 @@ def build_bins(packing: Packing, depth: float) -> Bins:
         starts=np.concatenate([*starts, [placed]]).astype(np.int64),
         spheres=np.ascontiguousarray(np.concatenate([*spheres, np.empty((0, 4))]).T),
         periods=periods,
-        depth=math.inf if len(radii) == len(packing) else depth,
+        # beside a rod or plate no ray gets deeper
+        depth=depth if isinstance(packing.wall, Tube) and len(radii) < len(packing) else math.inf,
     )
 
 
 def _power_of_two(wanted: float, least: int, most: int) -> int:
     """The largest power of two that is not above `wanted`, within bounds."""
-    return min(max(2 ** math.floor(math.log2(max(wanted, 1.0))), least), most)
+    return min(max(1 << math.floor(math.log2(max(wanted, 1.0))), least), most)
 
 
 class PatchTracer:
@@ -195,9 +196,10 @@ class PatchTracer:
         points = _power_of_two(0.5 * density * (LARGE_PATCH * r) ** 2, LEAST_POINTS, GOOD_POINTS)
         points = _power_of_two(0.5 * density * (SMALLEST_PATCH * r) ** 2, points, MOST_POINTS)
         side = math.sqrt(2 * points / density)
-        along = blocks * math.ceil(length / side / blocks)
-        around = max(1, math.ceil(rays / (2 * points * along)))
         most = min(LARGEST_PATCH * r, MOST_ANGLE * self.to_length if self.wall.kind != KINDS["plate"] else math.inf)
+        total = math.ceil(rays / (2 * points))
+        around = min(max(math.ceil(width / side), math.ceil(width / most)), max(1, total // blocks))
+        along = blocks * math.ceil(total / around / blocks)
         of_net, of_strata = np.random.SeedSequence(seed).spawn(2)
         net = qmc.Sobol(4, scramble=True, bits=32, rng=np.random.default_rng(of_net)).random(points)
         return Strata(
@@ -214,14 +216,14 @@ class PatchTracer:
 
     def batches(self, strata: Strata) -> list[tuple[int, int]]:
         """Ranges of groups to be traced at a time."""
-        side = self._side(strata)
+        side = self.side(strata)
         groups = math.ceil(strata.along / side) * math.ceil(strata.around / side)
         step = max(1, BATCH_RAYS // (2 * strata.net.shape[1] * side**2))
         return [(first, min(first + step, groups)) for first in range(0, groups, step)]
 
     def trace(self, strata: Strata, groups: tuple[int, int], blocks: int) -> Sample:
         """Trace the rays of a range of groups."""
-        most = (groups[1] - groups[0]) * self._side(strata) ** 2
+        most = (groups[1] - groups[0]) * self.side(strata) ** 2
         fates = len(self.wall.edges) + 2
         rows = np.full(most, -1)
         counts = np.zeros((most, 2, fates), np.int64)
@@ -238,5 +240,7 @@ class PatchTracer:
         difference = counts[:, 0] - counts[:, 1]
         return Sample(by_block, difference.T @ difference, len(rows))
 
-    def _side(self, strata: Strata) -> int:
+    @staticmethod
+    def side(strata: Strata) -> int:
+        """Strata along each side of a group."""
         return 1 if strata.parts_along * strata.parts_around > 1 else strata.tile

@@ -24,8 +24,14 @@ Progress = Callable[[float, str], None]
 FIRST_RAYS = 2**14
 """Rays of the first round."""
 
-LONGEST_STEP = 16.0
-"""Largest ratio of the rays of two rounds; what a round says of the next is worth little beyond."""
+FIRST_STEP, LONGEST_STEP = 16.0, 128.0
+"""Largest ratio of the rays of the second round to the first, and of later ones to all before."""
+
+SHORTEST_STEP = 0.2
+"""Least ratio of the rays of a round to all before."""
+
+SMALL_STEP = 1.5
+"""Ratio of error to tolerance below which the rest is an addition to what is there rather than a denser sample."""
 
 MARGIN = 1.1
 """Rays of a round over those that the tolerance seems to take, so that a further round is rarely needed."""
@@ -65,9 +71,9 @@ def view_factors(
     tolerance : float, optional
         Trace until every standard error is below this. 1e-3 if `rays` is not given either.
     rays : int, optional
-        Trace this many rays instead, rounded up to a power of two.
+        Trace this many rays instead, or somewhat more, so that every piece of the wall emits as many.
     seed : int
-        Seed of the scramblings.
+        Seed of the rays.
     window : Window, optional
         The piece of wall that emits; `Packing.window` if not given, which leaves out open ends.
     blocks : int, optional
@@ -163,14 +169,17 @@ def _next_rays(history: list[Step], target: float) -> int:
         If they are more than `MOST_RAYS`.
     """
     last = history[-1]
-    needed = last.rays * max((last.largest_error / target) ** (1 / EXPONENT), 3.0 / (target * last.rays), 1.0)
+    ratio = last.largest_error / target
+    # rays of another round are independent of those before; only far more of them gain from lying closer together
+    growth = max(ratio**2 if ratio < SMALL_STEP else ratio ** (1 / EXPONENT), 3.0 / (target * last.rays))
     # the first round says little about the error
-    if needed > MOST_RAYS and len(history) > 1:
+    if growth * last.rays > MOST_RAYS and len(history) > 1:
         raise ValueError(
-            f"tolerance {target:g} would take about {needed:.0e} rays, more than {MOST_RAYS:.0e}; "
+            f"tolerance {target:g} would take about {growth * last.rays:.0e} rays, more than {MOST_RAYS:.0e}; "
             f"after {last.rays:,} rays the largest standard error is {last.largest_error:.1e}"
         )
-    return int(max(min(MARGIN * needed, LONGEST_STEP * last.rays) - last.rays, last.rays))
+    step = FIRST_STEP if len(history) == 1 else LONGEST_STEP
+    return int(last.rays * max(min(MARGIN * growth, step) - 1.0, SHORTEST_STEP))
 
 
 def _share(history: list[Step], target: float | None) -> tuple[float, float]:
