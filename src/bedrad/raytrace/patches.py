@@ -90,42 +90,62 @@ class Sample:
 
 def build_bins(packing: Packing, depth: float) -> Bins:
     """Sort the spheres that reach less deep than `depth` into bins of the wall's surface."""
-    near = packing.depths - packing.radii < depth
-    centers, radii = packing.centers[near], packing.radii[near]
-    flat = isinstance(packing.wall, Plate)
-    axis = packing.wall.axial
-    along = centers[:, axis]
-    around = centers[:, 1] if flat else np.mod(np.arctan2(centers[:, 1], centers[:, 0]), 2 * math.pi)
-    periods = np.array([packing.box[axis], packing.box[1] if flat else 0.0])
-    to_length = 1.0 if flat else packing.wall.radius  # type: ignore[union-attr]
-    classes, shapes, starts, spheres, bins, placed = [], [], [], [], 0, 0
-    size_class = np.minimum(np.floor(np.log2(radii.max() / radii)), 15) if len(radii) else np.empty(0)
-    for size in np.unique(size_class):
-        member = size_class == size
-        z, y, largest = along[member], around[member], float(radii[member].max())
-        z_low, z_high = (0.0, periods[0]) if periods[0] else (z.min(), z.max())
-        y_low, y_high = (0.0, 2 * math.pi) if not flat else (0.0, periods[1]) if periods[1] else (y.min(), y.max())
-        area = max(z_high - z_low, largest) * max((y_high - y_low) * to_length, largest)
-        side = math.sqrt(SPHERES_PER_BIN * area / len(z))
-        nz, ny = (max(1, int(extent / side)) for extent in (z_high - z_low, (y_high - y_low) * to_length))
-        z_size, y_size = (max(z_high - z_low, largest) / nz, max(y_high - y_low, largest / to_length) / ny)
-        iz = np.clip(((z - z_low) / z_size).astype(np.int64), 0, nz - 1)
-        iy = np.clip(((y - y_low) / y_size).astype(np.int64), 0, ny - 1)
-        order = np.argsort(iy * nz + iz, kind="stable")
-        classes.append([largest, z_low, z_size, y_low, y_size])
-        shapes.append([nz, ny, bins])
-        starts.append(placed + np.searchsorted((iy * nz + iz)[order], np.arange(nz * ny)))
-        spheres.append(np.column_stack([centers[member], radii[member]])[order])
-        bins, placed = bins + nz * ny, placed + len(z)
+    wall = packing.wall
+    flat = isinstance(wall, Plate)
+    periods = np.array([packing.box[wall.axial], packing.box[1] if flat else 0.0])
+    near = np.flatnonzero(packing.depths - packing.radii < depth)
+    sizes = np.zeros(len(near), np.int8)
+    if len(near):
+        # a size class spans a factor of two, so that the search around a patch is not wide for the small ones
+        np.minimum(np.log2(packing.radii[near].max() / packing.radii[near]), 15.0, out=sizes, casting="unsafe")
+    spheres = np.empty((4, len(near)))
+    classes, shapes, starts = [], [], [np.zeros(0, np.int64)]
+    bins = placed = 0
+    for size in np.unique(sizes):
+        member = near[sizes == size]
+        surface, key, count = _surface_bins(packing, member, periods)
+        member = member[np.argsort(key, kind="stable")]
+        spheres[:3, placed : placed + len(member)] = packing.centers[member].T
+        spheres[3, placed : placed + len(member)] = packing.radii[member]
+        classes.append([float(packing.radii[member].max()), *surface])
+        shapes.append([*count, bins])
+        filled = np.bincount(key, minlength=count[0] * count[1])
+        starts.append(placed + np.cumsum(filled) - filled)
+        bins, placed = bins + len(filled), placed + len(member)
     return Bins(
         classes=np.array(classes, dtype=float).reshape(-1, 5),
         shapes=np.array(shapes, np.int64).reshape(-1, 3),
-        starts=np.concatenate([*starts, [placed]]).astype(np.int64),
-        spheres=np.ascontiguousarray(np.concatenate([*spheres, np.empty((0, 4))]).T),
+        starts=np.concatenate([*starts, [placed]]),
+        spheres=spheres,
         periods=periods,
         # beside a rod or plate no ray gets deeper
-        depth=depth if isinstance(packing.wall, Tube) and len(radii) < len(packing) else math.inf,
+        depth=depth if isinstance(wall, Tube) and len(near) < len(packing) else math.inf,
     )
+
+
+def _surface_bins(
+    packing: Packing, member: IntArray, periods: FloatArray
+) -> tuple[tuple[float, float, float, float], IntArray, tuple[int, int]]:
+    """Lower ends and sizes of the bins along and around for one size class, each member's bin, numbers of bins."""
+    wall = packing.wall
+    to_length = 1.0 if isinstance(wall, Plate) else wall.radius
+    along = packing.centers[member, wall.axial]
+    if isinstance(wall, Plate):
+        around = packing.centers[member, 1]
+        y_low, y_high = (0.0, periods[1]) if periods[1] else (float(around.min()), float(around.max()))
+    else:
+        around = np.mod(np.arctan2(packing.centers[member, 1], packing.centers[member, 0]), 2 * math.pi)
+        y_low, y_high = 0.0, 2 * math.pi
+    z_low, z_high = (0.0, periods[0]) if periods[0] else (float(along.min()), float(along.max()))
+    largest = float(packing.radii[member].max())
+    length, width = max(z_high - z_low, largest), max(y_high - y_low, largest / to_length)
+    side = math.sqrt(SPHERES_PER_BIN * length * width * to_length / len(member))
+    nz, ny = max(1, int(length / side)), max(1, int(width * to_length / side))
+    z_size, y_size = length / nz, width / ny
+    key = np.clip(((around - y_low) / y_size).astype(np.int64), 0, ny - 1)
+    key *= nz
+    key += np.clip(((along - z_low) / z_size).astype(np.int64), 0, nz - 1)
+    return (z_low, z_size, y_low, y_size), key, (nz, ny)
 
 
 def _power_of_two(wanted: float, least: int, most: int) -> int:
