@@ -60,16 +60,16 @@ def made_up_view_factors():
     mean = np.array([0.829, 0.151, 0.0091, 6.6e-4, 0.0102, 0.0])
     mean[-1] = 1.0 - mean.sum()
     wobble = np.random.default_rng(1).normal(scale=1e-4, size=(8, 6)) * mean
-    scramblings = mean + wobble - wobble.mean(axis=0)
-    error = scramblings.std(axis=0, ddof=1) / np.sqrt(8)
+    samples = mean + wobble - wobble.mean(axis=0)
+    error = samples.std(axis=0, ddof=1) / np.sqrt(8)
     bed = 30 * error
     values = {"layers": mean[:3], "layers_error": error[:3], "layers_bed_error": bed[:3]}
     for k, name in enumerate(("beyond", "wall", "escaped"), start=3):
         values |= {name: mean[k], f"{name}_error": error[k], f"{name}_bed_error": bed[k]}
     return values | {
         "edges": EDGES,
-        "covariance": np.cov(scramblings.T) / len(scramblings),
-        "block_shares": scramblings[:4],
+        "covariance": np.cov(samples.T) / len(samples),
+        "block_shares": samples[:4],
         "rays": 2**20,
         "seconds": 0.75,
         "setup_seconds": 0.25,

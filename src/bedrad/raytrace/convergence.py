@@ -15,13 +15,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from bedrad.packings.packing import Packing
 from bedrad.raytrace.factors import ViewFactors
-from bedrad.raytrace.sampling import SCRAMBLINGS
 from bedrad.raytrace.view_factors import view_factors
 from bedrad.walls import Window
 
 __all__ = ["Convergence", "convergence", "fitted_exponents", "shares_and_errors"]
 
 FloatArray = NDArray[np.float64]
+
+FEWEST_RAYS = 2**13
+"""Rays of the shortest run."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +93,7 @@ def convergence(
     edges : (layers + 1,) array, optional
         Depths that part the layers. [m]
     rays : int
-        Number of rays of the longest run; the others have half, a quarter, and so on down to 8192 (256 a scrambling).
+        Number of rays of the longest run; the others have half, a quarter, and so on down to `FEWEST_RAYS`.
     reference_rays : int
         Number of rays of the independent reference.
     seeds : int
@@ -115,7 +117,7 @@ def convergence(
     if seeds < 2:
         raise ValueError(f"seeds is {seeds}; expected at least 2")
     begin = time.perf_counter()
-    steps = [n for n in (rays >> k for k in range(64)) if n >= 256 * SCRAMBLINGS][::-1] or [rays]
+    steps = [n for n in (rays >> k for k in range(64)) if n >= FEWEST_RAYS][::-1] or [rays]
     work = steps[0] + reference_rays + seeds * sum(steps)
     done = 0
 

@@ -82,7 +82,7 @@ class ViewFactors:
     seconds, setup_seconds : float
         Run time in all, and what of it went into the grid and, on first use, into compiling. [s]
     seed : int
-        Seed of the scramblings.
+        Seed of the rays.
     left_out : LeftOut
         What the scene did not need.
     history : tuple of Step

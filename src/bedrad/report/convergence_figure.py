@@ -114,11 +114,19 @@ def _rays_above(axes: Any, seconds: FloatArray, rays: FloatArray) -> None:
     above.set(xscale="log", xlim=axes.get_xlim())
     places = np.log10(seconds)
     kept = style.spread(places, 0.11 * float(np.ptp(np.log10(axes.get_xlim()))))
-    above.set_xticks(seconds[kept], [f"{int(rays[k]):,}" for k in kept])
+    above.set_xticks(seconds[kept], [_short(rays[k]) for k in kept])
     above.xaxis.set_minor_locator(NullLocator())
     above.set_xlabel("Number of rays [–]")
     above.spines["top"].set_visible(True)
     above.grid(False)
+
+
+def _short(count: float) -> str:
+    """Two or three digits and a unit: 21.5 k, 1.38 M."""
+    for size, unit in ((1e9, " G"), (1e6, " M"), (1e3, " k")):
+        if count >= size:
+            return f"{float(f'{count / size:.3g}'):g}{unit}"
+    return f"{count:g}"
 
 
 def _legend(figure: Any, axes: Any, data: StageData, left_out: list[str]) -> None:
