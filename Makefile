@@ -26,8 +26,9 @@ format: $(READY)  ## put the code into the common style
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-benchmark: $(READY)  ## rays a second, error against run time, on this machine
-	$(BIN)/python benchmarks/ray_rate.py
+benchmark: $(READY)  ## rays a second and time to an error, against meshes, on this machine; some 40 minutes
+	$(BIN)/python benchmarks/raytrace.py --csv results/raytrace.csv
+	$(BIN)/python benchmarks/scaling.py
 
 calibration: $(READY)  ## are the stated errors of the view factors right? 100 seeds against 2^26 rays
 	$(BIN)/python benchmarks/calibration.py

@@ -43,8 +43,9 @@ SHELLS = 8
 GROWTH = 1.6
 """Ratio of the outer distances of two shells."""
 
-WALK_COST, SEARCH_COST = 14.0, 80.0
-"""What following a ray through the grid and finding the spheres of another shell cost, in tests of eight rays."""
+WALK_COST, SEARCH_COST, SELECT_COST = 14.0, 80.0, 12.0
+"""What it costs, in tests of eight rays, to follow a ray through the grid, to find the spheres of another shell in the
+bins, and to select them from those that are known near the group."""
 
 FAR_BLOCK = 200
 """Rays of a half from which on a group's first search takes in the second and third shell."""
@@ -217,8 +218,9 @@ def _worth_a_shell(kept, shell, search):
     if shell < search.counts[SHELL]:
         cost = float(search.ends[shell] - tested)
     else:
+        known = search.upto[shell - 1] * GROWTH <= search.upto[HORIZON]
         # a shell holds as many spheres as its volume has room for
-        cost = (GROWTH**3 - 1.0) * tested + SEARCH_COST
+        cost = (GROWTH**3 - 1.0) * tested + (SELECT_COST if known else SEARCH_COST)
     return cost * (0.75 + 0.03 * kept) < 0.75 * WALK_COST * kept
 
 

@@ -17,7 +17,7 @@ from scipy.stats import qmc
 from bedrad.packings.packing import Packing
 from bedrad.raytrace.candidate_kernels import Bins
 from bedrad.raytrace.patch_kernels import Grouping, Strata, make_room, trace_groups
-from bedrad.raytrace.tracer import KINDS, GridTracer
+from bedrad.raytrace.tracer import KINDS, GridTracer, compile_kernels
 from bedrad.walls import Plate, Tube, Window
 
 __all__ = ["PatchTracer", "Sample"]
@@ -138,7 +138,9 @@ def _surface_bins(
         y_low, y_high = 0.0, 2 * math.pi
     z_low, z_high = (0.0, periods[0]) if periods[0] else (float(along.min()), float(along.max()))
     largest = float(packing.radii[member].max())
-    length, width = max(z_high - z_low, largest), max(y_high - y_low, largest / to_length)
+    # a period is parted exactly, however short; bins of an open range of no width would have no size
+    length = periods[0] or max(z_high - z_low, largest)
+    width = y_high - y_low if not isinstance(wall, Plate) or periods[1] else max(y_high - y_low, largest)
     side = math.sqrt(SPHERES_PER_BIN * length * width * to_length / len(member))
     nz, ny = max(1, int(length / side)), max(1, int(width * to_length / side))
     z_size, y_size = length / nz, width / ny
@@ -182,7 +184,7 @@ class PatchTracer:
         self.wall = Grouping(
             kind=KINDS[wall.kind],
             wall_radius=0.0 if isinstance(wall, Plate) else wall.radius,
-            edges=edges,
+            edges=self.grid.edges,
             ends=ends,
             first_shell=1.3 * self.effective_radius if len(packing) else math.inf,
         )
@@ -206,7 +208,7 @@ class PatchTracer:
     def compile(self) -> None:
         """Trace no rays, so that the kernels are compiled on their first use and later times are those of rays."""
         self.trace(self.strata(1, (0, 0)), (0, 0), 1)
-        self.grid.fates(np.empty((0, 4)))
+        compile_kernels()
 
     def strata(self, rays: int, seed: tuple[int, int], blocks: int = 1) -> Strata:
         """Cut the window, its axial blocks into whole strata, so that equal halves of all make so many rays or more."""

@@ -87,9 +87,8 @@ def build_scene(packing: Packing, window: Window, reach: float) -> Scene:
         If the window reaches beyond the ends of the bed.
     """
     low, high = bounds(packing, window, reach)
-    near = packing.depths - packing.radii < reach
-    spheres = np.column_stack([packing.centers[near], packing.radii[near]])
-    spheres = np.ascontiguousarray(_with_images(spheres, packing.box))
+    near = np.flatnonzero(packing.depths - packing.radii < reach)
+    spheres = _with_images(packing, near)
     # a sphere that only reaches out of the box (beyond a clipped face) is harmless: no cell takes it
     cells = _cell_counts(high - low, spheres[:, 3])
     size = (high - low) / cells
@@ -101,9 +100,11 @@ def build_scene(packing: Packing, window: Window, reach: float) -> Scene:
         fill_cells(spheres, low, size, cells, starts, members)
         starts[1:] = starts[:-1].copy()
         starts[0] = 0
-    columns = np.ascontiguousarray(spheres[members].T)
+    columns = np.empty((4, members.size))
+    for row, values in zip(columns, spheres.T, strict=True):
+        np.take(values, members, out=row, mode="clip")  # the default mode would go through a buffer
     columns[3] **= 2
-    return Scene(packing, reach, low, size, cells, starts, columns, int(near.sum()))
+    return Scene(packing, reach, low, size, cells, starts, columns, len(near))
 
 
 def bounds(packing: Packing, window: Window, reach: float) -> tuple[FloatArray, FloatArray]:
@@ -131,15 +132,26 @@ def bounds(packing: Packing, window: Window, reach: float) -> tuple[FloatArray, 
     return low, high
 
 
-def _with_images(spheres: FloatArray, box: tuple[float, float, float]) -> FloatArray:
-    """Add the images of spheres that reach across a periodic face."""
-    for axis, period in enumerate(box):
+def _with_images(packing: Packing, near: NDArray[np.int64]) -> FloatArray:
+    """Centres and radii of some spheres, and of their images that reach across a periodic face."""
+    images = np.empty((0, 4))
+    for axis, period in enumerate(packing.box):
         if not period:
             continue
-        x, r = spheres[:, axis], spheres[:, 3]
         shift = np.zeros(4)
         shift[axis] = period
-        spheres = np.concatenate([spheres, spheres[x - r < 0.0] + shift, spheres[x + r > period] - shift])
+        x, r = packing.centers[near, axis], packing.radii[near]
+        below, above = near[x - r < 0.0], near[x + r > period]
+        images = np.concatenate([
+            images,
+            np.column_stack([packing.centers[below], packing.radii[below]]) + shift,
+            np.column_stack([packing.centers[above], packing.radii[above]]) - shift,
+            images[images[:, axis] - images[:, 3] < 0.0] + shift,
+            images[images[:, axis] + images[:, 3] > period] - shift,
+        ])  # fmt: skip
+    spheres = np.empty((len(near) + len(images), 4))
+    spheres[: len(near), :3], spheres[: len(near), 3] = packing.centers[near], packing.radii[near]
+    spheres[len(near) :] = images
     return spheres
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+import time
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from bedrad.raytrace.kernels import PLATE, ROD, TUBE, UNSETTLED, start_rays, tra
 from bedrad.raytrace.scene import PADDING, Scene, build_scene
 from bedrad.walls import Plate, Tube, Window
 
-__all__ = ["EXTRA_REACH", "GridTracer"]
+__all__ = ["EXTRA_REACH", "KINDS", "GridTracer", "compile_kernels"]
 
 FloatArray = NDArray[np.float64]
 FateArray = NDArray[np.int16]
@@ -22,6 +23,16 @@ EXTRA_REACH = 4.0
 """How far beyond the last edge the first grid of a tube reaches, in mean radii."""
 
 KINDS = {"tube": TUBE, "rod": ROD, "plate": PLATE}
+
+
+def compile_kernels() -> None:
+    """Follow no ray through no grid, so that the kernels are compiled on their first use."""
+    none, flat = np.empty((7, 0)), np.ones(3, np.int64)
+    start_rays(np.empty((0, 4)), TUBE, 1.0, np.zeros(4), none)
+    trace(
+        none, TUBE, 1.0, np.array([0.0, 1.0]), 1.0, math.inf, np.zeros(3), np.ones(3), flat, np.zeros(3),
+        np.zeros(2, np.int64), np.empty((4, 0)), np.empty(0), np.empty(0, np.int16),
+    )  # fmt: skip
 
 
 class GridTracer:
@@ -38,7 +49,7 @@ class GridTracer:
     """
 
     def __init__(self, packing: Packing, edges: FloatArray, window: Window) -> None:
-        self.packing, self.edges, self.measured = packing, edges, window
+        self.packing, self.edges, self.measured = packing, np.array(edges, dtype=float), window
         self.kind = KINDS[packing.wall.kind]
         self.wall_radius = 0.0 if isinstance(packing.wall, Plate) else packing.wall.radius
         lateral = window.lateral or (0.0, 0.0)
@@ -58,6 +69,7 @@ class GridTracer:
         self._near: Scene | None = None
         self.deep: Scene | None = None
         self.deep_rays = 0
+        self.build_seconds = 0.0
         self._lock = threading.Lock()
 
     @property
@@ -70,7 +82,7 @@ class GridTracer:
         """The grid near the wall, built when it is first needed."""
         with self._lock:
             if self._near is None:
-                self._near = build_scene(self.packing, self.measured, self.reach)
+                self._near = self._build(self.reach)
         return self._near
 
     def fates(self, points: FloatArray) -> FateArray:
@@ -103,18 +115,25 @@ class GridTracer:
         (n,) int array
             As `fates`.
         """
+        rays = np.ascontiguousarray(rays)
         fates = np.empty(rays.shape[1], np.int16)
         left = self._trace(self.near, rays, fates)
         if left:
             with self._lock:
                 self.deep_rays += left
                 if self.deep is None:
-                    self.deep = build_scene(self.packing, self.measured, self.wall_radius)
+                    self.deep = self._build(self.wall_radius)
             deeper = np.flatnonzero(fates == UNSETTLED)
             rest = np.empty(len(deeper), np.int16)
             self._trace(self.deep, np.ascontiguousarray(rays[:, deeper]), rest)
             fates[deeper] = rest
         return fates
+
+    def _build(self, reach: float) -> Scene:
+        begin = time.perf_counter()
+        scene = build_scene(self.packing, self.measured, reach)
+        self.build_seconds += time.perf_counter() - begin
+        return scene
 
     def _trace(self, scene: Scene, rays: FloatArray, fates: FateArray) -> int:
         return int(

@@ -125,7 +125,7 @@ def view_factors(
         window=measured,
         history=tuple(history),
         seconds=time.perf_counter() - begin,
-        setup_seconds=setup,
+        setup_seconds=setup + tracer.grid.build_seconds,
         seed=seed,
         left_out=LeftOut(spheres=tracer.left_out, deep_rays=tracer.grid.deep_rays, reach=tracer.grid.reach),
     )
