@@ -344,7 +344,8 @@ def trace_groups(first, last, strata, wall, bins, search, scratch, rows, counts,
     side = 1 if drawn else strata.tile
     tiles = (strata.around + side - 1) // side
     length, width = strata.window[1] / strata.along, strata.window[3] / strata.around
-    at, slot = 0, -1
+    # of the type that it has later: a bare 0 would have the kernels below compiled twice
+    at, slot = np.int64(0), -1
     for group in range(first, last):
         z0, y0 = (group // tiles) * side, (group % tiles) * side
         z1, y1 = min(z0 + side, strata.along), min(y0 + side, strata.around)

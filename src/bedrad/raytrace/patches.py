@@ -35,6 +35,9 @@ is rather one large patch than several of which each half draws one."""
 LEAST_POINTS, GOOD_POINTS, MOST_POINTS = 32, 512, 2**14
 """Rays of one half of a stratum: at least, as many as make the search for spheres cheap, at most."""
 
+FEWEST_STRATA = 64
+"""Strata of a round of 4,096 rays or more, so that the scatter of their halves knows the standard errors to a tenth."""
+
 MOST_ANGLE = 0.6
 """Widest patch beside a tube or rod. [rad]"""
 
@@ -217,6 +220,7 @@ class PatchTracer:
         density = rays / (length * width)
         points = _power_of_two(0.5 * density * (LARGE_PATCH * r) ** 2, LEAST_POINTS, GOOD_POINTS)
         points = _power_of_two(0.5 * density * (SMALLEST_PATCH * r) ** 2, points, MOST_POINTS)
+        points = min(points, _power_of_two(rays / (2 * FEWEST_STRATA), LEAST_POINTS, MOST_POINTS))
         side = math.sqrt(2 * points / density)
         most = min(LARGEST_PATCH * r, MOST_ANGLE * self.to_length if self.wall.kind != KINDS["plate"] else math.inf)
         total = math.ceil(rays / (2 * points))
