@@ -31,6 +31,7 @@ from bedrad.command_options import (
     Velocity,
     check_bed_output,
     check_output,
+    compiling_told,
     ended_like_ctrl_c,
     fail,
     list_files,
@@ -98,7 +99,7 @@ def run(job_file: Path, /, *, output: Output = None, dry_run: DryRun = False) ->
 
         with styled():
             pass
-    with progress_bars() as report:
+    with compiling_told(), progress_bars() as report:
         results = run_job(job, path, report)
     OUTPUT.print(summary(results))
     written = write_tables(results, path.parent) if job.output.tables else []
@@ -216,7 +217,6 @@ def statistics(
         Read and check the packing and say what would be measured.
     """
     import bedrad
-    from bedrad.jobs.stages import fill_statistics
 
     options = bed_options or BedOptions()
     bed, edges = options.read(file)
@@ -224,9 +224,13 @@ def statistics(
         options.describe(bed, edges)
         return
     check_output("statistics", output)
-    found = bedrad.statistics(bed, edges, contact_gap, margin=options.margin)
+    with compiling_told():
+        found = bedrad.statistics(bed, edges, contact_gap, margin=options.margin)
     say(str(found))
-    save("statistics", lambda group: fill_statistics(group, found), file, output)
+    if output is not None:
+        from bedrad.jobs.stages import fill_statistics
+
+        save("statistics", lambda group: fill_statistics(group, found), file, output)
 
 
 @app.command(help_epilogue="Example:  bedrad view-factors bed.h5 --tolerance 1e-4\n\n"
@@ -266,7 +270,6 @@ def view_factors(
         Read and check the packing and say what would be traced.
     """
     import bedrad
-    from bedrad.jobs.stages import fill_view_factors
 
     options = bed_options or BedOptions()
     bed, edges = options.read(file)
@@ -274,7 +277,7 @@ def view_factors(
         options.describe(bed, edges)
         return
     check_output("view_factors", output)
-    with progress_bars() as report:
+    with compiling_told(), progress_bars() as report:
         found = bedrad.view_factors(
             bed, edges, tolerance, rays, seed, window=bed.window(options.margin), threads=threads,
             progress=lambda share, text: report("view factors", share, text),
@@ -282,7 +285,13 @@ def view_factors(
     if normalised is not None:
         found = found.normalised(normalised)
     say(str(found))
-    save("view_factors", lambda group: fill_view_factors(group, found), file, output)
+    ends = options.ends_left_out(bed)
+    if ends is not None:
+        say(f"left out: {ends}")
+    if output is not None:
+        from bedrad.jobs.stages import fill_view_factors
+
+        save("view_factors", lambda group: fill_view_factors(group, found), file, output)
 
 
 app.command(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -120,12 +121,7 @@ class BedOptions:
         fit = bed.provenance.get("wall_origin")
         if fit is not None and wall is None:
             residual = bed.provenance["wall_fit_residual_radii"]
-            NOTES.print(
-                f"wall: {bed.wall!r}, {fit}; residual {residual:.2g} radii",
-                highlight=False,
-                markup=False,
-                soft_wrap=True,
-            )
+            _note(f"wall: {bed.wall!r}, {fit}; residual {residual:.2g} radii")
         return bed, bedrad.layer_edges(bed, self.layers)
 
     def describe(self, bed: Packing, edges: Any) -> None:
@@ -134,6 +130,14 @@ class BedOptions:
         say(str(bed))
         say(f"window    {window.axial[0]:.6g} to {window.axial[1]:.6g} m along the axis")
         say(f"layers    {', '.join(f'{e:.6g}' for e in edges)} m deep")
+
+    def ends_left_out(self, bed: Packing) -> str | None:
+        """What is left out of the wall at open ends, and why; None where the bed repeats."""
+        window, axis = bed.window(self.margin), bed.wall.axial
+        if bed.box[axis]:
+            return None
+        cut = 1e3 * (window.axial[0] - bed.extent(axis)[0])
+        return f"{cut:.3g} mm of wall at either end, {self.margin:g} mean diameters, as the bed is loose and open there"
 
 
 def check_output(stage: str, output: Path | None) -> None:
@@ -198,6 +202,41 @@ def progress_bars() -> Iterator[Any]:
             bars.update(tasks[stage], completed=share, note=text)
 
         yield report
+
+
+@contextmanager
+def compiling_told() -> Iterator[None]:
+    """Say on the error stream when kernels are compiled, as they are on first use, and how long it took."""
+    from numba.core import event
+
+    class Notice(event.Listener):  # type: ignore[misc]
+        """Of the compiler's events; a kernel that comes from the cache causes none. Kernels compile what they call."""
+
+        depth, begin, seconds = 0, 0.0, 0.0
+
+        def on_start(self, _: event.Event) -> None:
+            if self.depth == 0:
+                self.begin = time.perf_counter()
+                if self.seconds == 0.0:
+                    _note("compiling the kernels: once after installation, some ten seconds")
+            self.depth += 1
+
+        def on_end(self, _: event.Event) -> None:
+            self.depth -= 1
+            if self.depth == 0:
+                self.seconds += time.perf_counter() - self.begin
+
+    notice = Notice()
+    try:
+        with event.install_listener("numba:compile", notice):
+            yield
+    finally:
+        if notice.seconds:
+            _note(f"compiled the kernels in {notice.seconds:.1f} s; the next run finds them")
+
+
+def _note(text: str) -> None:
+    NOTES.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
 @contextmanager

@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from bedrad.command_options import OUTPUT, BedOptions, DryRun, Output, Seed, list_files, progress_bars, say
+from bedrad.command_options import (
+    OUTPUT,
+    BedOptions,
+    DryRun,
+    Output,
+    Seed,
+    compiling_told,
+    list_files,
+    progress_bars,
+    say,
+)
 
 __all__ = ["convergence"]
 
@@ -69,7 +79,7 @@ def convergence(
     # a missing library shows before the computing, not after
     with styled():
         pass
-    with progress_bars() as report:
+    with compiling_told(), progress_bars() as report:
         found = compare_engines(
             bed, edges, budget=budget, seeds=seeds, seed=seed, window=bed.window(options.margin),
             progress=lambda share, text: report("convergence", share, text),

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bedrad.packings import layer_kernels
-from bedrad.packings.layer_kernels import ball_in_box, ball_in_cylinder, lens_area, place_in_cylinder
+from bedrad.packings.layer_kernels import ball_in_box, ball_in_cylinder, place_in_cylinder
 from oracles.layers_solids import (
     ball_beyond_cylinder_by_rings,
     ball_in_box_by_slices,
@@ -132,27 +132,6 @@ def test_cylinder_inside_a_ball_is_a_cylinder():
     assert surface == 0.0
 
 
-@pytest.mark.parametrize("ratio", [1.0, 1e3, 1e6])
-@pytest.mark.parametrize("inside", [1e-3, 0.0, 0.4, -0.999999])
-def test_lens_area_keeps_its_digits(ratio, inside):
-    b, t, rho = place_in_cylinder(ratio - inside, 0.0, ratio, 0.0)
-    with mpmath.workdps(40):
-        x, y = mpmath.mpf(b), mpmath.mpf(rho)
-        first, second = (
-            mpmath.acos((x * x + 1 - y * y) / (2 * x)),
-            mpmath.acos((x * x + y * y - 1) / (2 * x * y)),
-        )
-        kite = mpmath.sqrt((1 + y - x) * (x + 1 - y) * (x - 1 + y) * (x + 1 + y)) / 2
-        expected = first + y * y * second - kite
-    assert float(lens_area(1.0, b, t, rho)) == pytest.approx(float(expected), rel=1e-13, abs=4e-16)
-
-
-def test_lens_area_of_nested_circles_is_the_smaller_circle():
-    assert lens_area(1.0, 0.2, 2.8, 3.0) == pytest.approx(math.pi, rel=1e-15)
-    assert lens_area(3.0, 0.2, 0.8, 1.0) == pytest.approx(math.pi, rel=1e-15)
-    assert lens_area(1.0, 5.0, -2.0, 3.0) == 0.0
-
-
 @pytest.mark.parametrize("ratio", [1.0, 1e3, 1e6, 1e9])
 def test_place_in_cylinder_is_right_to_its_last_digits(ratio):
     rng = np.random.default_rng(5)
@@ -225,7 +204,6 @@ def test_kernels_compiled_and_not_agree():
         b = abs(rho - t)
         for kernel, arguments in (
             (ball_in_cylinder, (1.0, b, rho - b, rho, z)),
-            (lens_area, (1.0, b, rho - b, rho)),
             (ball_in_box, (1.0, *sorted((t, z)), -0.5, 0.4, *sorted((z, 0.2)))),
             (place_in_cylinder, (b, t, rho, z)),
         ):

@@ -1,10 +1,5 @@
 """The ray kernels against brute force, and in hostile geometry."""
 
-import json
-import os
-import subprocess
-import sys
-
 import mpmath
 import numpy as np
 import pytest
@@ -74,7 +69,8 @@ def test_every_ray_ends_where_brute_force_says(kind, periodic):
     hits = first_hits(origins, directions, bed.centers, bed.radii, _shifts(bed))
     expected = fates(bed.wall, origins, directions, hits, EDGES, _ends(bed))
     found = np.empty(len(points), np.int16)
-    assert trace(np.ascontiguousarray(rays.T), number, wall_radius, EDGES, scene.reach, np.inf, *_grid(scene), found) == 0
+    columns = np.ascontiguousarray(rays.T)
+    assert trace(columns, number, wall_radius, EDGES, scene.reach, np.inf, *_grid(scene), found) == 0
     np.testing.assert_array_equal(found, expected)
     assert len(np.unique(found)) >= 4
     met = np.flatnonzero(expected < layers)
@@ -181,28 +177,6 @@ def test_cells_hold_every_sphere_that_reaches_into_them():
         assert set(map(tuple, spheres[around, :3].tolist())) <= holds
         inside += around.any()
     assert inside > 100
-
-
-def test_kernels_give_the_same_counts_with_the_compiler_off():
-    code = (
-        "import json, bedrad, numpy as np\n"
-        "from oracles.beds import random_bed\n"
-        "out = []\n"
-        "for wall, period in ((bedrad.Tube(5.0), 6.0), (bedrad.Rod(2.0), 6.0), (bedrad.Plate(), (7.0, 6.0))):\n"
-        "    bed = random_bed(wall, 20, seed=3, length=6.0, spread=3.5, period=period)\n"
-        "    f = bedrad.view_factors(bed, [0.0, 0.7, 2.0, 3.0], rays=1024, seed=4)\n"
-        "    out.append((f.covariance.tolist(), f.left_out.deep_rays))\n"
-        "print(json.dumps(out))\n"
-    )
-    results = []
-    for off in ("0", "1"):
-        environment = os.environ | {
-            "NUMBA_DISABLE_JIT": off,
-            "PYTHONPATH": os.pathsep.join(p for p in sys.path if p),
-        }
-        done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
-        results.append(json.loads(done.stdout))
-    assert results[0] == results[1]
 
 
 def test_window_outside_the_bed_is_refused():

@@ -9,6 +9,7 @@ from bedrad.packings.layers import check_window
 from bedrad.raytrace.patch_kernels import make_room, trace_groups
 from bedrad.raytrace.patches import PatchTracer, Sample, build_bins
 from oracles.beds import axial_chain, hexagonal_layer, random_bed
+from oracles.patch_counts import patch_counts
 
 EDGES = np.array([0.0, 0.7, 2.0, 3.0])
 
@@ -37,22 +38,6 @@ def _bed(name):
 BEDS = ["tube", "open tube", "narrow tube", "rod", "open rod", "plate", "open plate", "many sizes"]
 
 
-def _counts(tracer, strata, hand_back):
-    """Counts of all strata and halves; with `hand_back` no shell settles a ray, so that the grid follows all."""
-    side = tracer.side(strata)
-    groups = -(-strata.along // side) * -(-strata.around // side)
-    most = groups * side**2
-    rays = most * 2 * strata.net.shape[1]
-    rows = np.full(most, -1)
-    counts = np.zeros((most, 2, len(tracer.wall.edges) + 2), np.int64)
-    left, slots = np.empty((7, rays)), np.empty((rays, 2), np.int64)
-    wall = tracer.wall._replace(first_shell=-1.0) if hand_back else tracer.wall
-    unsettled = trace_groups(0, groups, strata, wall, tracer.bins, *make_room(), rows, counts, left, slots)
-    slots = slots[:unsettled]
-    np.add.at(counts, (slots[:, 0], slots[:, 1], tracer.grid.follow(left[:, :unsettled])), 1)
-    return counts[rows >= 0], unsettled, rays * (rows >= 0).mean()
-
-
 @pytest.mark.parametrize("name", BEDS)
 @pytest.mark.parametrize("rays", [2**10, 2**15, 2**18])
 def test_patches_settle_every_ray_as_the_grid_does(name, rays):
@@ -64,13 +49,12 @@ def test_patches_settle_every_ray_as_the_grid_does(name, rays):
     bed = _bed(name)
     tracer = PatchTracer(bed, EDGES, check_window(bed, None))
     strata = tracer.strata(rays, (1, 0), 2)
-    by_shells, left, traced = _counts(tracer, strata, hand_back=False)
-    by_grid, all_left, _ = _counts(tracer, strata, hand_back=True)
-    assert all_left == traced
-    assert left < (0.4 if rays >= 2**15 else 0.6) * traced
-    np.testing.assert_array_equal(by_shells, by_grid)
-    assert (by_shells.sum(axis=2) == strata.net.shape[1]).all()
-    assert (by_shells.sum(axis=(0, 1)) > 0).sum() >= 4 or rays < 2**15
+    by_shells, by_grid = patch_counts(tracer, strata), patch_counts(tracer, strata, hand_back=True)
+    assert by_grid.handed_back == by_grid.rays
+    assert by_shells.handed_back < (0.4 if rays >= 2**15 else 0.6) * by_shells.rays
+    np.testing.assert_array_equal(by_shells.counts, by_grid.counts)
+    assert (by_shells.counts.sum(axis=2) == strata.net.shape[1]).all()
+    assert (by_shells.counts.sum(axis=(0, 1)) > 0).sum() >= 4 or rays < 2**15
 
 
 def test_handed_back_rays_follow_the_cosine_law_from_the_whole_window():

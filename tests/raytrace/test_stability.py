@@ -17,15 +17,21 @@ from bedrad.raytrace.tracer import GridTracer
 from bedrad.walls import Window
 from oracles.beds import axial_chain, hexagonal_layer, random_bed
 from oracles.extended import ends, first_spheres, rays_of
-from oracles.layers_beds import free_gas, hexagonal_sheet, staggered_rings
-from oracles.nasty_beds import jittered_lattice, lined_sector, sector_points, two_sizes
+from oracles.layers_beds import hexagonal_sheet, staggered_rings
+from oracles.nasty_beds import (
+    WALLS,
+    any_overlap,
+    jittered_lattice,
+    lined_sector,
+    micrometres,
+    moved,
+    one_a_period,
+    sector_points,
+    twice,
+    two_sizes,
+)
 from oracles.references import closed_form
 
-WALLS = {
-    "tube": (bedrad.Tube(5.0), 6.0),
-    "rod": (bedrad.Rod(2.0), 6.0),
-    "plate": (bedrad.Plate(), (7.0, 6.0)),
-}
 EDGES = np.array([0.0, 0.7, 2.0, 3.0])
 
 
@@ -95,9 +101,7 @@ def test_radii_from_one_to_fifty():
 @pytest.mark.parametrize("kind", WALLS)
 def test_spheres_that_overlap_by_a_tenth_of_a_diameter(kind):
     """Spheres at random, two in five of them a tenth of a diameter through the wall; any overlap with each other."""
-    wall, period = WALLS[kind]
-    gas = free_gas(wall, seed=3, mean_count=25, length=period, deepest=2.5)
-    bed = bedrad.Packing(gas.centers, gas.radii / 0.8, wall, period, max_overlap=2.0)
+    bed = any_overlap(kind)
     points = points_for(1000, 2)
     expected = agree_with_brute_force(bed, EDGES, bed.window(), points, 1e-13)
     origins, _ = rays_of(bed, bed.window(), points)
@@ -116,9 +120,8 @@ def test_a_sphere_through_the_plate_by_a_tenth_of_its_diameter():
 def test_every_sphere_twice_is_the_same_as_once(kind):
     wall, period = WALLS[kind]
     once = random_bed(wall, 60, seed=3, length=6.0, spread=3.5, period=period)
-    twice = bedrad.Packing(np.tile(once.centers, (2, 1)), np.tile(once.radii, 2), wall, period, max_overlap=2.0)
     points = np.random.default_rng(1).random((20_000, 4))
-    a, b = (fates_of(bed, EDGES, once.window(), points) for bed in (once, twice))
+    a, b = (fates_of(bed, EDGES, once.window(), points) for bed in (once, twice(once)))
     np.testing.assert_array_equal(a, b)
     assert len(np.unique(a)) >= 4
 
@@ -184,28 +187,6 @@ def test_distance_to_a_sphere_that_a_ray_all_but_grazes(cosine, distance):
         assert abs(found[0] - exact) < 4e-16 * distance * (2.0 + 2.0 / half)
 
 
-def micrometres(kind):
-    """A bed of spheres of 1 um with open ends, its coordinates whole multiples of the spacing of numbers at 10 km."""
-    wall, _ = WALLS[kind]
-    bed = random_bed(wall, 60, seed=3, length=12.0, spread=3.5)
-    spacing = np.spacing(1e4)
-    scaled = wall if kind == "plate" else type(wall)(wall.radius * 1e-6)
-    centers = np.round(bed.centers * 1e-6 / spacing) * spacing
-    bed = bedrad.Packing(centers, bed.radii * 1e-6, scaled)
-    low, high = np.round(2e-6 / spacing) * spacing, np.round(10e-6 / spacing) * spacing
-    return bed, Window((low, high), (low, high) if kind == "plate" else None)
-
-
-def moved(bed, window, offset):
-    along = np.zeros(3)
-    along[list(bed.wall.periodic_axes)] = offset
-    lateral = None if window.lateral is None else (window.lateral[0] + offset, window.lateral[1] + offset)
-    return (
-        bedrad.Packing(bed.centers + along, bed.radii, bed.wall),
-        Window((window.axial[0] + offset, window.axial[1] + offset), lateral),
-    )
-
-
 @pytest.mark.parametrize("kind", WALLS)
 def test_micrometres_ten_kilometres_from_the_origin(kind):
     """Numbers there are 1.8e-6 radii apart, which is where rays may start; from there on they end as they must."""
@@ -233,19 +214,8 @@ def test_empty_beds(kind, fate, size):
 @pytest.mark.parametrize("kind", WALLS)
 def test_periods_shorter_than_a_diameter(kind, period):
     """A period with one sphere, and the same bed written as many periods, give every ray the same end."""
-    wall, center = {
-        "tube": (bedrad.Tube(1.5), [0.3, 0.0, 0.01]),
-        "rod": (bedrad.Rod(1.5), [2.6, 0.0, 0.01]),
-        "plate": (bedrad.Plate(), [0.01, 0.3, 1.2]),
-    }[kind]
-    many = int(np.ceil(4.0 / period))
-    centers = np.tile(np.array(center), (many, 1))
-    centers[:, wall.axial] += period * np.arange(many)
-    window = Window((0.0, period), (0.0, 3.0) if kind == "plate" else None)
-    one, written_out = (
-        bedrad.Packing(centers[:n], 1.0, wall, (n * period, 3.0) if kind == "plate" else n * period, max_overlap=2.0)
-        for n in (1, many)
-    )
+    one, window = one_a_period(kind, period)
+    written_out, _ = one_a_period(kind, period, many=int(np.ceil(4.0 / period)))
     points = np.random.default_rng(8).random((5000, 4))
     found = fates_of(one, [0.0, 0.3, 0.9], window, points)
     np.testing.assert_array_equal(found, fates_of(written_out, [0.0, 0.3, 0.9], window, points))
@@ -305,15 +275,14 @@ def nasty_scene(name):
         bed = two_sizes(6, 1000, 50.0, seed=1)
         return bed, [0.0, 0.02, 1.0, 2.5], bed.window()
     if name == "overlaps":
-        gas = free_gas(bedrad.Tube(5.0), seed=3, mean_count=25, length=6.0, deepest=2.5)
-        bed = bedrad.Packing(gas.centers, gas.radii / 0.8, gas.wall, gas.period, max_overlap=2.0)
+        bed = any_overlap("tube")
         return bed, EDGES, bed.window()
     if name == "1 um at 1e4 m":
         bed, window = moved(*micrometres("tube"), 1e4)
         return bed, EDGES * 1e-6, window
     if name == "short period":
-        bed = bedrad.Packing([[2.6, 0.0, 0.01]], 1.0, bedrad.Rod(1.5), 0.3, max_overlap=2.0)
-        return bed, [0.0, 0.3, 0.9], bed.window()
+        bed, window = one_a_period("rod", 0.3)
+        return bed, [0.0, 0.3, 0.9], window
     if name == "gap of 1e-9":
         bed = axial_chain(1.0 + 1e-9)
         return bed, [0.0, 0.1, 0.5], bed.window()

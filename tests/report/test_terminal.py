@@ -64,6 +64,7 @@ def test_statistics_beside_the_correlations(text):
 def test_view_factors(text, whole):
     data = whole.data["view_factors"]
     lines = block(text, "View factors from the wall")
+    assert "from 2.4 to 16.8 mm along the axis; the wall outside is left out" in lines
     met = data["layers"].sum()
     for k, start in enumerate(("layer 1", "layer 2", "layer 3")):
         assert row(lines, start) == [

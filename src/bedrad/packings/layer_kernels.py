@@ -33,7 +33,6 @@ __all__ = [
     "ball_in_cylinder",
     "cut_by_cylinders",
     "cut_by_planes",
-    "lens_area",
     "place_in_cylinder",
 ]
 
@@ -110,21 +109,6 @@ def _half_angles(s: float, t: float, span: float, outer: float, inner: float) ->
     else:
         alpha = 2.0 * math.atan2(math.sqrt(outer * inner), (s - t) * far)
     return alpha, 2.0 * math.atan2(math.sqrt(outer), math.sqrt(inner))
-
-
-@njit(cache=True)
-def lens_area(s: float, b: float, t: float, rho: float) -> float:
-    """Area common to circles of the radii `s` and `rho` whose centres are b = rho - t apart."""
-    if rho <= 0.0 or t <= -s:
-        return 0.0
-    if t >= s:
-        return math.pi * s * s
-    far = 2.0 * b - (s - t)
-    if far <= 0.0:
-        return math.pi * rho * rho
-    alpha, beta = _half_angles(s, t, rho + b, (s - t) * (s + t), far * (rho + b + s))
-    area: float = s * s * _segment(2.0 * alpha) + rho * rho * _segment(2.0 * beta)
-    return area
 
 
 @njit(cache=True)

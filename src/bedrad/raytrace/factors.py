@@ -34,7 +34,7 @@ class LeftOut:
     reach: float
 
     def __str__(self) -> str:
-        parts = [f"{self.spheres:,} spheres that no ray reached"] if self.spheres else ["nothing"]
+        parts = [f"{self.spheres:,} spheres that no ray reached"] if self.spheres else ["no spheres"]
         if self.deep_rays:
             parts.append(f"{self.deep_rays:,} rays followed through the whole bed")
         return "; ".join(parts)

@@ -102,13 +102,14 @@ def view_factors(
     parts = block_count(packing, measured) if blocks is None else blocks
     if parts < 1:
         raise ValueError(f"blocks is {blocks!r}; expected at least 1")
+    crew = _Workers(threads)
     tracer = PatchTracer(packing, depth_edges, measured)
     tracer.compile()
     setup = time.perf_counter() - begin
     sample = Sample.empty(parts, len(depth_edges) + 2)
     history: list[Step] = []
     following = wanted or FIRST_RAYS
-    with _Workers(threads) as workers:
+    with crew as workers:
         while True:
             span = _share(history, target)
             sample += workers.run(tracer, following, (seed, len(history)), parts, progress, span)

@@ -139,7 +139,9 @@ def _view_factors(data: StageData) -> Table:
             "" if math.isnan(row.published) else f"{row.published:.2f}",
         )  # fmt: skip
     add_row(table, "sum", "", f"{math.fsum(row.factor for row in rows):.5f}")
+    low, high = (1e3 * x for x in data["window"])
     table.caption = Text(
+        f"from {low:.4g} to {high:.4g} mm along the axis; the wall outside is left out\n"
         "normalised: leakage folded into the layers, as in the published factors\n"
         "published: 0.6 mm in a 7.75 mm tube, flow at 0.016 m/s (Watkins 2018, Table 5.3)"
     )
