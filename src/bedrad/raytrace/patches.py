@@ -32,7 +32,7 @@ SMALLEST_PATCH, LARGE_PATCH, LARGEST_PATCH = 0.5, 3.3, 7.0
 """Sides of a patch in effective radii: smaller ones see hardly fewer spheres; larger ones see too many, but a stratum
 is rather one large patch than several of which each half draws one."""
 
-LEAST_POINTS, GOOD_POINTS, MOST_POINTS = 32, 512, 2**14
+LEAST_POINTS, GOOD_POINTS, MOST_POINTS = 32, 256, 2**14
 """Rays of one half of a stratum: at least, as many as make the search for spheres cheap, at most."""
 
 FEWEST_STRATA = 64
@@ -221,6 +221,8 @@ class PatchTracer:
         points = _power_of_two(0.5 * density * (LARGE_PATCH * r) ** 2, LEAST_POINTS, GOOD_POINTS)
         points = _power_of_two(0.5 * density * (SMALLEST_PATCH * r) ** 2, points, MOST_POINTS)
         points = min(points, _power_of_two(rays / (2 * FEWEST_STRATA), LEAST_POINTS, MOST_POINTS))
+        if points > GOOD_POINTS and points.bit_length() % 2 == 0:
+            points //= 2  # four-dimensional Sobol points are more even in powers of four
         side = math.sqrt(2 * points / density)
         most = min(LARGEST_PATCH * r, MOST_ANGLE * self.to_length if self.wall.kind != KINDS["plate"] else math.inf)
         total = math.ceil(rays / (2 * points))
