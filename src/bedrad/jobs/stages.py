@@ -215,7 +215,7 @@ RUNNERS: Mapping[str, Runner] = {
 
 ORDER = tuple(RUNNERS)
 
-REVISIONS: Mapping[str, int] = dict.fromkeys(RUNNERS, 1) | {"view_factors": 2}
+REVISIONS: Mapping[str, int] = dict.fromkeys(RUNNERS, 1) | {"view_factors": 2, "convergence": 2}
 """Raised where a correction changes what a stage gives, so that earlier results of it are not kept."""
 
 
