@@ -28,7 +28,7 @@ IntArray = NDArray[np.int64]
 SPHERES_PER_BIN = 4.0
 """Mean number of spheres of one size class in a bin of the wall's surface."""
 
-SMALLEST_PATCH, LARGE_PATCH, LARGEST_PATCH = 0.5, 3.3, 7.0
+SMALLEST_PATCH, LARGE_PATCH, LARGEST_PATCH = 0.5, 6.0, 7.0
 """Sides of a patch in effective radii: smaller ones see hardly fewer spheres; larger ones see too many, but a stratum
 is rather one large patch than several of which each half draws one."""
 
