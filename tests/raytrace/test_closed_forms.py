@@ -2,8 +2,7 @@
 
 Where a sphere emits, cosine rays leave its surface and are followed by the kernel; where the wall emits, reciprocity
 (A_w F_ws = A_s F_sw) turns the sphere's factor into the wall's. Each comparison allows 4 standard errors. With 29 of
-them and Student's t of 31 degrees of freedom (scramblings; 4e-4 each) or a binomial (6e-5), one change of seed in a
-hundred raises a false alarm; the seeds are fixed.
+them and normal errors (6e-5 each) one change of seed in five hundred raises a false alarm; the seeds are fixed.
 
 Specks of 1e-6 hold the open ends of a scene where they should be; what they hide is below 1e-10.
 

@@ -203,7 +203,7 @@ def test_no_hit_is_not_no_error():
     factors = bedrad.view_factors(axial_chain(1.5), [0.0, 1.0], rays=2**15)
     assert factors.escaped == 0.0
     line = next(line for line in str(factors).splitlines() if line.startswith("escaped"))
-    assert 2**15 <= factors.rays < 1.5 * 2**15
+    assert factors.rays >= 2**15
     assert f"< {3 / factors.rays:.0e}" in line
 
 

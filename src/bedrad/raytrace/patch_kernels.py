@@ -32,7 +32,7 @@ from bedrad.raytrace.block_kernels import (
 from bedrad.raytrace.candidate_kernels import LEAN, gather, localise, make_patch, select
 from bedrad.raytrace.kernels import PLATE, TUBE
 
-__all__ = ["BLOCK", "Grouping", "Search", "Strata", "make_room", "trace_groups"]
+__all__ = ["BLOCK", "Search", "Strata", "Surroundings", "make_room", "trace_groups"]
 
 BLOCK = 256
 """Rays that are traced together; their data stay in the fastest cache."""
@@ -89,7 +89,7 @@ class Strata(NamedTuple):
     wanted: float
 
 
-class Grouping(NamedTuple):
+class Surroundings(NamedTuple):
     """What the rays meet: wall, depths, open ends, first shell.
 
     Parameters
@@ -288,9 +288,10 @@ def _trace_half(half, slot, key, strata, wall, bins, tile, patch, search, scratc
         np.uint32(one & low), np.uint32(one >> np.uint64(32)), np.uint32(two & low), np.uint32(two >> np.uint64(32))
     )  # fmt: skip
     layers, points = wall.edges.size - 1, strata.net.shape[1]
-    length, width = strata.window[1] / (strata.along * strata.parts_along), 2.0 * patch.half_y
+    length = 2.0 * patch.half_z
+    width = strata.window[3] / (strata.around * strata.parts_around)
     if wall.kind != PLATE:
-        width = wall.wall_radius * strata.window[3] / (strata.around * strata.parts_around)
+        width *= wall.wall_radius
     miss = layers + 1.0 if wall.kind == TUBE else float(layers)
     for begin in range(0, points, BLOCK):
         count = min(BLOCK, points - begin)
@@ -321,7 +322,7 @@ def trace_groups(first, last, strata, wall, bins, search, scratch, rows, counts,
         Range of groups: tiles of neighbouring strata, or single strata where each half draws its own patch.
     strata : Strata
         How the window is cut.
-    wall : Grouping
+    wall : Surroundings
         The wall.
     bins : Bins
         The spheres.

@@ -16,7 +16,7 @@ from scipy.stats import qmc
 
 from bedrad.packings.packing import Packing
 from bedrad.raytrace.candidate_kernels import Bins
-from bedrad.raytrace.patch_kernels import Grouping, Strata, make_room, trace_groups
+from bedrad.raytrace.patch_kernels import Strata, Surroundings, make_room, trace_groups
 from bedrad.raytrace.tracer import KINDS, GridTracer, compile_kernels
 from bedrad.walls import Plate, Tube, Window
 
@@ -58,22 +58,19 @@ class Sample:
         Number of rays by axial block of the origin and by fate.
     scatter : (fates, fates) int array
         Sum over the strata of the products of the differences between their two halves.
-    strata : int
-        Number of strata.
     """
 
     counts: IntArray
     scatter: IntArray
-    strata: int
 
     @classmethod
     def empty(cls, blocks: int, fates: int) -> Sample:
         """No rays yet."""
-        return cls(np.zeros((blocks, fates), np.int64), np.zeros((fates, fates), np.int64), 0)
+        return cls(np.zeros((blocks, fates), np.int64), np.zeros((fates, fates), np.int64))
 
     def __add__(self, other: Sample) -> Sample:
         """Both together, each ray with the same weight."""
-        return Sample(self.counts + other.counts, self.scatter + other.scatter, self.strata + other.strata)
+        return Sample(self.counts + other.counts, self.scatter + other.scatter)
 
     @property
     def rays(self) -> int:
@@ -184,7 +181,7 @@ class PatchTracer:
         for row, axis in enumerate((wall.axial, 1) if flat else (wall.axial,)):
             if not packing.box[axis]:
                 ends[row] = packing.extent(axis)
-        self.wall = Grouping(
+        self.wall = Surroundings(
             kind=KINDS[wall.kind],
             wall_radius=0.0 if isinstance(wall, Plate) else wall.radius,
             edges=self.grid.edges,
@@ -266,7 +263,7 @@ class PatchTracer:
         by_block = np.zeros((blocks, fates), np.int64)
         np.add.at(by_block, rows * blocks // strata.along, counts.sum(axis=1))
         difference = counts[:, 0] - counts[:, 1]
-        return Sample(by_block, difference.T @ difference, len(rows))
+        return Sample(by_block, difference.T @ difference)
 
     @staticmethod
     def side(strata: Strata) -> int:
