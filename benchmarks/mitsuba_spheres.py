@@ -14,12 +14,12 @@ from numba import njit
 from numpy.typing import NDArray
 
 from bedrad.packings.packing import Packing
-from bedrad.raytrace.kernels import OPTIONS, TUBE, UNSETTLED, _far_limit, _layer, start_rays
-from bedrad.raytrace.mesh_kernels import GOING_ON, _go_on, _way_out, ray_keys
+from bedrad.raytrace.kernels import OPTIONS, UNSETTLED, start_rays
+from bedrad.raytrace.mesh_kernels import GOING_ON, end_ray, ray_keys
 from bedrad.raytrace.meshes import EXTRA_REACH, IMAGES, _with_images
 from bedrad.raytrace.scene import bounds
-from bedrad.raytrace.tracer import KINDS
-from bedrad.walls import Plate, Tube, Window
+from bedrad.raytrace.tracer import emitting_wall
+from bedrad.walls import Tube, Window
 
 __all__ = ["MitsubaTracer", "why_not"]
 
@@ -99,10 +99,7 @@ class MitsubaTracer:
 
     def __init__(self, packing: Packing, edges: FloatArray, window: Window, sort: bool = False) -> None:
         self.packing, self.edges, self.measured, self.sort = packing, edges, window, sort
-        self.kind = KINDS[packing.wall.kind]
-        self.wall_radius = 0.0 if isinstance(packing.wall, Plate) else packing.wall.radius
-        lateral = window.lateral or (0.0, 0.0)
-        self.window = np.array([window.axial[0], window.length, lateral[0], lateral[1] - lateral[0]], dtype=float)
+        self.kind, self.wall_radius, self.window = emitting_wall(packing, window)
         reach = float(edges[-1])
         if isinstance(packing.wall, Tube):
             reach = min(reach + EXTRA_REACH * packing.mean_diameter / 2, packing.wall.radius)
@@ -149,7 +146,6 @@ def end_at_spheres(met, rays, gone, kind, wall_radius, edges, reach, low, high, 
 
     Distances are in double precision. A ray from inside the sphere that it meets ends where it starts.
     """
-    layers = edges.size - 1
     going_on = 0
     for i in range(met.size):
         ox, oy, oz, dx, dy, dz = rays[0, i], rays[1, i], rays[2, i], rays[3, i], rays[4, i], rays[5, i]
@@ -162,22 +158,6 @@ def end_at_spheres(met, rays, gone, kind, wall_radius, edges, reach, low, high, 
             # the sphere was met in single precision, perhaps by a hair's breadth
             half = math.sqrt(max(s[3] * s[3] - (x * x + y * y + z * z), 0.0))
             t = max(along - half, 0.0)
-        wall, deep = _far_limit(kind, wall_radius, reach, dx, dy, rays[6, i])
-        end = min(wall, deep) - gone[i]
-        x, y = _way_out(ox, dx, low[0], high[0]), _way_out(oy, dy, low[1], high[1])
-        z = _way_out(oz, dz, low[2], high[2])
-        leave = min(x, min(y, z))
-        if t < end and t <= leave:
-            fates[i] = _layer(kind, wall_radius, edges, ox + t * dx, oy + t * dy, oz + t * dz)
-        elif end <= leave:
-            if wall <= deep:
-                fates[i] = layers + 1
-            else:
-                fates[i] = UNSETTLED if kind == TUBE else layers
-        elif period[0 if x == leave else (1 if y == leave else 2)] == 0.0:
-            fates[i] = layers + 2
-        else:
-            fates[i] = GOING_ON
-            going_on += 1
-            _go_on(i, leave, rays, gone, period)
+        fates[i] = end_ray(i, t, rays, gone, kind, wall_radius, edges, reach, low, high, period)
+        going_on += fates[i] == GOING_ON
     return going_on

@@ -12,7 +12,7 @@ from numba import njit
 
 from bedrad.raytrace.kernels import OPTIONS, TUBE, UNSETTLED, _far_limit, _layer
 
-__all__ = ["GOING_ON", "end_rays", "ray_keys", "scale_rays"]
+__all__ = ["GOING_ON", "end_ray", "end_rays", "ray_keys", "scale_rays"]
 
 GOING_ON = -2
 """Fate of a ray that left the images of a periodic bed and goes on from its other side."""
@@ -98,6 +98,31 @@ def _go_on(i, leave, rays, gone, period):
             rays[k, i] -= period[k] * math.floor(rays[k, i] / period[k])
 
 
+@njit(inline="always", **OPTIONS)
+def end_ray(i, t, rays, gone, kind, wall_radius, edges, reach, low, high, period):
+    """Fate of a ray that meets a sphere at the distance t; one that leaves the box first is moved to where it goes on.
+
+    Parameters are those of `end_rays`.
+    """
+    layers = edges.size - 1
+    ox, oy, oz, dx, dy, dz = rays[0, i], rays[1, i], rays[2, i], rays[3, i], rays[4, i], rays[5, i]
+    wall, deep = _far_limit(kind, wall_radius, reach, dx, dy, rays[6, i])
+    end = min(wall, deep) - gone[i]
+    x, y = _way_out(ox, dx, low[0], high[0]), _way_out(oy, dy, low[1], high[1])
+    z = _way_out(oz, dz, low[2], high[2])
+    leave = min(x, min(y, z))
+    if t < end and t <= leave:
+        return _layer(kind, wall_radius, edges, ox + t * dx, oy + t * dy, oz + t * dz)
+    if end <= leave:
+        if wall <= deep:
+            return layers + 1
+        return UNSETTLED if kind == TUBE else layers
+    if period[0 if x == leave else (1 if y == leave else 2)] == 0.0:
+        return layers + 2
+    _go_on(i, leave, rays, gone, period)
+    return GOING_ON
+
+
 @njit(**OPTIONS)
 def end_rays(
     triangles,
@@ -156,7 +181,6 @@ def end_rays(
     int
         Number of rays that go on.
     """
-    layers = edges.size - 1
     count = facets.shape[0]
     going_on = 0
     for i in range(triangles.size):
@@ -169,22 +193,6 @@ def end_rays(
             # sphere that overlaps it
             if _in_one_of(spheres, members, starts[met], starts[met + 1], ox, oy, oz):
                 t = 0.0
-        wall, deep = _far_limit(kind, wall_radius, reach, dx, dy, rays[6, i])
-        end = min(wall, deep) - gone[i]
-        x, y = _way_out(ox, dx, low[0], high[0]), _way_out(oy, dy, low[1], high[1])
-        z = _way_out(oz, dz, low[2], high[2])
-        leave = min(x, min(y, z))
-        if t < end and t <= leave:
-            fates[i] = _layer(kind, wall_radius, edges, ox + t * dx, oy + t * dy, oz + t * dz)
-        elif end <= leave:
-            if wall <= deep:
-                fates[i] = layers + 1
-            else:
-                fates[i] = UNSETTLED if kind == TUBE else layers
-        elif period[0 if x == leave else (1 if y == leave else 2)] == 0.0:
-            fates[i] = layers + 2
-        else:
-            fates[i] = GOING_ON
-            going_on += 1
-            _go_on(i, leave, rays, gone, period)
+        fates[i] = end_ray(i, t, rays, gone, kind, wall_radius, edges, reach, low, high, period)
+        going_on += fates[i] == GOING_ON
     return going_on

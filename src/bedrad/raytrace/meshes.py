@@ -21,8 +21,8 @@ from bedrad.raytrace.mesh_engines import ENGINES, Engine, Maker, available_engin
 from bedrad.raytrace.mesh_kernels import GOING_ON, end_rays, ray_keys, scale_rays
 from bedrad.raytrace.sampling import DIMENSIONS
 from bedrad.raytrace.scene import bounds
-from bedrad.raytrace.tracer import KINDS
-from bedrad.walls import Plate, Tube, Window
+from bedrad.raytrace.tracer import emitting_wall
+from bedrad.walls import Tube, Window
 
 __all__ = ["ENGINES", "SCALINGS", "MeshTracer", "available_engines", "icosphere"]
 
@@ -130,10 +130,7 @@ class MeshTracer:
         self._ball = icosphere(int(subdivision), scaling)
         self.name = f"{engine}, subdivision {subdivision}, {scaling}{', sorted' if sort else ''}"
         self.packing, self.edges, self.measured, self.sort = packing, edges, window, sort
-        self.kind = KINDS[packing.wall.kind]
-        self.wall_radius = 0.0 if isinstance(packing.wall, Plate) else packing.wall.radius
-        lateral = window.lateral or (0.0, 0.0)
-        self.window = np.array([window.axial[0], window.length, lateral[0], lateral[1] - lateral[0]], dtype=float)
+        self.kind, self.wall_radius, self.window = emitting_wall(packing, window)
         reach = float(edges[-1])
         if isinstance(packing.wall, Tube):
             reach = reach + EXTRA_REACH * packing.mean_diameter / 2 if len(packing) else packing.wall.radius

@@ -14,7 +14,7 @@ from bedrad.raytrace.kernels import PLATE, ROD, TUBE, UNSETTLED, start_rays, tra
 from bedrad.raytrace.scene import PADDING, Scene, build_scene
 from bedrad.walls import Plate, Tube, Window
 
-__all__ = ["EXTRA_REACH", "KINDS", "GridTracer", "compile_kernels"]
+__all__ = ["EXTRA_REACH", "KINDS", "GridTracer", "compile_kernels", "emitting_wall"]
 
 FloatArray = NDArray[np.float64]
 FateArray = NDArray[np.int16]
@@ -35,6 +35,16 @@ def compile_kernels() -> None:
     )  # fmt: skip
 
 
+def emitting_wall(packing: Packing, window: Window) -> tuple[int, float, FloatArray]:
+    """Kind and radius of the wall, and axial start and length, lateral start and length of the window, for kernels."""
+    lateral = window.lateral or (0.0, 0.0)
+    return (
+        KINDS[packing.wall.kind],
+        0.0 if isinstance(packing.wall, Plate) else packing.wall.radius,
+        np.array([window.axial[0], window.length, lateral[0], lateral[1] - lateral[0]], dtype=float),
+    )
+
+
 class GridTracer:
     """Traces rays by a walk through a grid.
 
@@ -50,10 +60,7 @@ class GridTracer:
 
     def __init__(self, packing: Packing, edges: FloatArray, window: Window) -> None:
         self.packing, self.edges, self.measured = packing, np.array(edges, dtype=float), window
-        self.kind = KINDS[packing.wall.kind]
-        self.wall_radius = 0.0 if isinstance(packing.wall, Plate) else packing.wall.radius
-        lateral = window.lateral or (0.0, 0.0)
-        self.window = np.array([window.axial[0], window.length, lateral[0], lateral[1] - lateral[0]], dtype=float)
+        self.kind, self.wall_radius, self.window = emitting_wall(packing, window)
         self.near_depth = self.reach = float(edges[-1])
         self.hollow = math.inf
         if isinstance(packing.wall, Tube):
