@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +15,7 @@ from bedrad.atomic import atomic_path
 from bedrad.errors import BadFileError
 from bedrad.packings.files.contents import Contents
 from bedrad.packings.files.csv_table import looks_like_csv, read_csv, write_csv
+from bedrad.packings.files.format import Format, single
 from bedrad.packings.files.hdf5 import load_packing, looks_like_hdf5, read_hdf5, save_packing, write_hdf5
 from bedrad.packings.files.lammps_dump import iterate_dump, looks_like_dump, read_dump
 from bedrad.packings.files.text import first_bytes
@@ -30,58 +30,10 @@ PathLike = str | os.PathLike[str]
 _PICKLE_STARTS = tuple(bytes((0x80, protocol)) for protocol in range(2, 6))
 
 
-@dataclass(frozen=True)
-class Format:
-    """A file format.
-
-    Parameters
-    ----------
-    name : str
-        Its name in messages.
-    suffixes : tuple of str
-        Its usual suffixes, without ``.gz``.
-    recognises : callable
-        Whether the first (unpacked) bytes of a file are of this format.
-    read : callable
-        Reads the frame of the given number from a path.
-    frames : callable
-        Yields all frames of a path.
-    write : callable or None
-        Writes a packing to a path; None if the format is only read.
-    """
-
-    name: str
-    suffixes: tuple[str, ...]
-    recognises: Callable[[bytes], bool]
-    read: Callable[[Path, int], Contents]
-    frames: Callable[[Path], Iterator[Contents]]
-    write: Callable[[Packing, Path], None] | None = None
-
-
-def _single(
-    name: str,
-    suffixes: tuple[str, ...],
-    recognises: Callable[[bytes], bool],
-    read_all: Callable[[Path], Contents],
-    write: Callable[[Packing, Path], None],
-) -> Format:
-    """Make the row of a format that holds one packing a file."""
-
-    def read_one(path: Path, frame: int) -> Contents:
-        if frame not in (0, -1):
-            raise BadFileError(f"{path}: frame {frame} was asked for; a {name} file holds one packing")
-        return read_all(path)
-
-    def iterate(path: Path) -> Iterator[Contents]:
-        yield read_all(path)
-
-    return Format(name, suffixes, recognises, read_one, iterate, write)
-
-
 FORMATS = (
-    _single("bedrad HDF5", (".h5", ".hdf5"), looks_like_hdf5, read_hdf5, write_hdf5),
+    single("bedrad HDF5", (".h5", ".hdf5"), looks_like_hdf5, read_hdf5, write_hdf5),
     Format("LAMMPS dump", (".dump", ".lammpstrj", ".liggghts"), looks_like_dump, read_dump, iterate_dump),
-    _single("CSV", (".csv",), looks_like_csv, read_csv, write_csv),
+    single("CSV", (".csv",), looks_like_csv, read_csv, write_csv),
 )
 """The formats, in the order in which they are tried. A new one needs a module beside this one and a row."""
 

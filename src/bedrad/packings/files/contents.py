@@ -38,6 +38,9 @@ class Contents:
         Overlap limit stored in the file, in radii.
     lines, ids : sequence of int or None
         Line number (from 1) and particle id of every sphere, for messages.
+    states_unit : bool
+        Whether the file says what its lengths are in, or its format does. They are metres then; if not, the user
+        may say what they are, and metres are assumed.
     """
 
     centers: FloatArray
@@ -49,6 +52,7 @@ class Contents:
     max_overlap: float | None = None
     lines: Sequence[int] | None = None
     ids: Sequence[int] | None = None
+    states_unit: bool = False
 
     def origin(self, sphere: int) -> str:
         """Where a sphere stands in the file, as ``"line 12, id 7"``; empty where that is unknown."""
