@@ -17,10 +17,11 @@ import bedrad
 from bedrad import EngineFailedError, Packing, Plate, Rod, Tube
 from bedrad.packings import settle as settle_module
 from bedrad.packings.contact import STEPS_PER_CONTACT
+from bedrad.packings.grains import Grains
 from bedrad.packings.lammps import run_lammps
 from bedrad.packings.pouring import Column
 from bedrad.packings.settle import AT_REST, plan_settle, settle, settle_script
-from bedrad.packings.settle_plan import DATA, Grains, SettlePlan, plan_settling
+from bedrad.packings.settle_plan import DATA, SettlePlan, plan_settling
 
 D = 6e-4
 TUBE = Tube(1.5e-3)

@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-__all__ = ["Overlap", "pair_overlaps", "worst_overlap"]
+from bedrad.walls import Wall
+
+__all__ = ["Overlap", "overlap_facts", "pair_overlaps", "worst_overlap"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -77,3 +79,17 @@ def worst_overlap(
     share = depth / np.minimum(radii[first], radii[second])
     worst = int(np.argmax(share))
     return Overlap(int(first[worst]), int(second[worst]), float(share[worst]))
+
+
+def overlap_facts(centers: FloatArray, radii: FloatArray, wall: Wall) -> dict[str, str | float | int]:
+    """Mean and largest overlap between spheres and with the wall, in mean diameters, by the name of each."""
+    mean = 2.0 * float(radii.mean())
+    _, _, between = pair_overlaps(centers, radii)
+    beyond = radii - wall.depth(centers)
+    beyond = beyond[beyond > 0.0]
+    return {
+        "mean_pair_overlap_d": float(between.mean()) / mean if len(between) else 0.0,
+        "largest_pair_overlap_d": float(between.max(initial=0.0)) / mean,
+        "mean_wall_overlap_d": float(beyond.mean()) / mean if len(beyond) else 0.0,
+        "largest_wall_overlap_d": float(beyond.max(initial=0.0)) / mean,
+    }

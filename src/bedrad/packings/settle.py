@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from bedrad.errors import EngineFailedError
 from bedrad.packings.contact import STEPS_PER_CONTACT, TANGENTIAL_SHARE
 from bedrad.packings.files.lammps_dump import read_dump
+from bedrad.packings.grains import Grains, check_number, check_seed, mixture_of, tube_for
 from bedrad.packings.lammps import LammpsRun, run_lammps
-from bedrad.packings.overlaps import pair_overlaps
+from bedrad.packings.overlaps import overlap_facts
 from bedrad.packings.packing import LARGEST_OVERLAP, Packing
 from bedrad.packings.pouring import Column, count_spheres, loose_column
 from bedrad.packings.settle_plan import (
@@ -26,9 +27,7 @@ from bedrad.packings.settle_plan import (
     DATA,
     DUMP,
     SOLID_FRACTION,
-    Grains,
     SettlePlan,
-    check_number,
     plan_settling,
     settle_script,
 )
@@ -40,7 +39,6 @@ FloatArray = NDArray[np.float64]
 Facts = dict[str, str | float | int]
 Progress = Callable[[float, str], None]
 
-_DIAMETER = 600e-6
 _FALL_SHARE = 0.25
 """Share of the run time that the fall takes, for the progress; the contacts come after it."""
 
@@ -190,44 +188,14 @@ def _prepare(
     sizes: Sequence[tuple[float, float]] | None,
 ) -> tuple[Tube, list[tuple[float, float]], Column]:
     """Check the arguments and place the spheres."""
-    mixture = _mixture(diameter, sizes)
-    tube = _tube(wall, mixture)
+    mixture = mixture_of(diameter, sizes)
+    tube = tube_for(wall, mixture, "settled")
     return tube, mixture, _column(tube, mixture, height, seed)
-
-
-def _mixture(diameter: float | None, sizes: Sequence[tuple[float, float]] | None) -> list[tuple[float, float]]:
-    """Return diameters and number fractions that add up to one."""
-    if sizes is None:
-        chosen = _DIAMETER if diameter is None else diameter
-        check_number("diameter", chosen, chosen > 0, "a positive number of metres")
-        return [(float(chosen), 1.0)]
-    if diameter is not None:
-        raise ValueError(f"diameter {diameter!r} m and sizes were both given; expected one of them")
-    pairs = [(float(d), float(share)) for d, share in sizes]
-    for d, share in pairs:
-        check_number("sizes: diameter", d, d > 0, "a positive number of metres")
-        check_number("sizes: number fraction", share, share > 0, "a positive number")
-    total = sum(share for _, share in pairs)
-    if not math.isclose(total, 1.0, rel_tol=1e-6):
-        raise ValueError(f"sizes: the number fractions add up to {total:.8g}; expected 1")
-    if len({d for d, _ in pairs}) < len(pairs):
-        raise ValueError("sizes: a diameter comes twice")
-    return [(d, share / total) for d, share in pairs]
-
-
-def _tube(wall: Wall, mixture: list[tuple[float, float]]) -> Tube:
-    if not isinstance(wall, Tube):
-        raise ValueError(f"wall is {wall!r}; spheres are settled in a Tube only")  # noqa: TRY004
-    largest = max(d for d, _ in mixture)
-    if largest >= 2.0 * wall.radius:
-        raise ValueError(f"a sphere of {largest:.6g} m does not fit into a tube of {2.0 * wall.radius:.6g} m diameter")
-    return wall
 
 
 def _column(tube: Tube, mixture: list[tuple[float, float]], height: float, seed: int) -> Column:
     check_number("height", height, height > 0, "a positive number of metres")
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise ValueError(f"seed is {seed!r}; expected an integer that is not negative")
+    check_seed(seed)
     counts = count_spheres(mixture, SOLID_FRACTION * math.pi * tube.radius**2 * height)
     return loose_column(tube.radius, mixture, counts, np.random.default_rng(seed))
 
@@ -314,17 +282,10 @@ def _facts(plan: SettlePlan, run: LammpsRun) -> Facts:
 def _measured(centers: FloatArray, radii: FloatArray, tube: Tube) -> Facts:
     """Overlaps in mean diameters, and the height: twice that of the centre of mass, whatever the top."""
     mean = 2.0 * float(radii.mean())
-    _, _, between = pair_overlaps(centers, radii)
-    beyond = radii - tube.depth(centers)
-    beyond = beyond[beyond > 0.0]
     volume = radii**3
     height = 2.0 * float((volume * centers[:, 2]).sum() / volume.sum())
     solid = 4.0 / 3.0 * float(volume.sum()) / (tube.radius**2 * height)
-    return {
-        "mean_pair_overlap_d": float(between.mean()) / mean if len(between) else 0.0,
-        "largest_pair_overlap_d": float(between.max(initial=0.0)) / mean,
-        "mean_wall_overlap_d": float(beyond.mean()) / mean if len(beyond) else 0.0,
-        "largest_wall_overlap_d": float(beyond.max(initial=0.0)) / mean,
+    return overlap_facts(centers, radii, tube) | {
         "height_m": height,
         "height_d": height / mean,
         "solid_fraction": solid,

@@ -7,18 +7,18 @@ from dataclasses import dataclass
 
 from bedrad.packings.contact import (
     STEPS_PER_CONTACT,
-    TANGENTIAL_SHARE,
     contact_duration,
-    damping_rate,
     effective_mass,
     softened_stiffness,
     softening_rule,
     sphere_mass,
 )
+from bedrad.packings.contact_commands import SKIN, linear_contacts
+from bedrad.packings.grains import Grains, check_number
 from bedrad.packings.pouring import Column
 from bedrad.walls import Tube
 
-__all__ = ["AT_REST", "DATA", "DUMP", "SOLID_FRACTION", "Grains", "SettlePlan", "plan_settling", "settle_script"]
+__all__ = ["AT_REST", "DATA", "DUMP", "SOLID_FRACTION", "SettlePlan", "plan_settling", "settle_script"]
 
 AT_REST = 1e-6
 """Kinetic energy of translation per sphere, in ``m g d``, below which a bed is at rest.
@@ -34,56 +34,8 @@ SOLID_FRACTION = 0.6
 DATA = "column.data"
 DUMP = "settled.dump"
 
-_SKIN = 0.2
-"""Skin of the neighbour lists, in mean diameters: .08 costs a quarter more time, .15 to .25 make no difference."""
-
 _SAMPLES = 10
 """Samples of the energy in the mean that is compared with `AT_REST`, so that a moment of still is no rest."""
-
-
-@dataclass(frozen=True)
-class Grains:
-    """What the spheres are and how they meet.
-
-    Parameters
-    ----------
-    density : float
-        Density of the spheres. [kg/m3]
-    friction : float
-        Coefficient of friction between spheres.
-    wall_friction : float or None
-        Coefficient of friction between spheres and wall; None takes `friction`.
-    restitution : float
-        Coefficient of restitution of head-on collisions.
-    stiffness : float or None
-        Stiffness of the normal spring; None takes the softened one. [N/m]
-    gravity : float
-        Acceleration of gravity. [m/s2]
-
-    Raises
-    ------
-    ValueError
-        If one of them is out of range.
-    """
-
-    density: float
-    friction: float
-    wall_friction: float | None
-    restitution: float
-    stiffness: float | None
-    gravity: float
-
-    def __post_init__(self) -> None:
-        for name in ("density", "gravity", "stiffness"):
-            value = getattr(self, name)
-            left_open = value is None and name == "stiffness"
-            check_number(name, value, left_open or value > 0, "a positive number")
-        for name in ("friction", "wall_friction"):
-            value = getattr(self, name)
-            left_open = value is None and name == "wall_friction"
-            check_number(name, value, left_open or 0 <= value <= 1e4, "a number from 0 to 10000")
-        inside = 0 < self.restitution < 1
-        check_number("restitution", self.restitution, inside, "a number between 0 and 1, both excluded")
 
 
 @dataclass(frozen=True)
@@ -219,7 +171,7 @@ def plan_settling(tube: Tube, column: Column, grains: Grains, time_limit: float 
         mean=float(d.mean()),
         density=float(grains.density),
         friction=float(grains.friction),
-        wall_friction=float(grains.friction if grains.wall_friction is None else grains.wall_friction),
+        wall_friction=grains.friction_with_wall,
         restitution=float(grains.restitution),
         stiffness=float(stiffness),
         stiffness_rule=rule,
@@ -243,7 +195,10 @@ def settle_script(plan: SettlePlan) -> str:
     str
         The input; it reads the file `DATA` and writes the file `DUMP`.
     """
-    pair, wall = _contacts(plan)
+    equal = plan.mean if plan.smallest == plan.largest else None
+    pair, wall = linear_contacts(
+        plan.stiffness, plan.restitution, plan.friction, plan.wall_friction, plan.density, equal
+    )
     every, sample = plan.check_every, plan.check_every // _SAMPLES
     return f"""\
 # spheres settling in a tube; SI units
@@ -256,7 +211,7 @@ processors      * * 1
 read_data       {DATA}
 
 {pair}
-neighbor        {_SKIN * plan.mean!r} bin
+neighbor        {SKIN * plan.mean!r} bin
 neigh_modify    delay 0 every 1 check yes
 timestep        {plan.time_step!r}
 
@@ -283,39 +238,3 @@ run             {plan.settle_steps}
 
 write_dump      all custom {DUMP} id x y z radius modify sort id format float %.17g
 """
-
-
-def check_number(name: str, value: object, fits: bool, expected: str) -> None:
-    """Refuse a value that is not finite or does not fit; None has been allowed where it `fits`.
-
-    Raises
-    ------
-    ValueError
-        With the name, the value and what was expected.
-    """
-    finite = value is None or (isinstance(value, (int, float)) and math.isfinite(value))
-    if not (fits and finite):
-        raise ValueError(f"{name} is {value!r}; expected {expected}")
-
-
-def _contacts(plan: SettlePlan) -> tuple[str, str]:
-    """Contact law between spheres (two commands) and with the wall (a style and its numbers).
-
-    Equal spheres take gran/hooke/history, whose damping rate is one number for all contacts. Unlike ones need the
-    granular style, half as fast, where the damping follows from the restitution and the masses of each contact.
-    The wall always takes the granular style: up to the release of 22 July 2025 (update 4), fix wall/gran with
-    hooke/history multiplies the tangential spring by the contact radius (lammps pull request 5007). In SI units
-    that is a factor of 1e-5: such a wall has no static friction, and the wall layer comes out too dense.
-    """
-    normal, tangential = plan.stiffness, TANGENTIAL_SHARE * plan.stiffness
-    between, wall = (
-        f"hooke {normal!r} {plan.restitution!r} tangential linear_history {tangential!r} 0.5 {friction!r} "
-        "damping coeff_restitution"
-        for friction in (plan.friction, plan.wall_friction)
-    )
-    if plan.smallest == plan.largest:
-        mass = sphere_mass(plan.mean, plan.density)
-        rate = damping_rate(normal, effective_mass(mass, mass), plan.restitution)
-        numbers = f"{normal!r} {tangential!r} {rate!r} {rate / 2.0!r} {plan.friction!r} 1"
-        return f"pair_style      gran/hooke/history {numbers}\npair_coeff      * *", f"granular {wall}"
-    return f"pair_style      granular\npair_coeff      * * {between}", f"granular {wall}"
