@@ -88,7 +88,7 @@ def test_a_wrong_word_is_one_line_and_exit_code_2(refused, no_lammps, words, mes
         ("--layers 99", "layers is 99: the last edge would lie at .* deeper than"),
         ("--layers x", '--layers: unable to convert "x" into int'),
         ("--margin -1", "margin is -1.0; expected a number of mean diameters that is not negative"),
-        ("--tube 7.74mm --rod 1mm", "give one wall: --tube, --rod or --plate"),
+        ("--tube 7.74mm --rod 1mm", "give one wall: --tube, --rod, --plate, --wall-stl or --fit-wall"),
         ("--tube 5mm", r"bed\.h5: sphere 0: .* through the tube wall \(Tube\(radius=0\.0025\)\)"),
         ("--plate", r"bed\.h5: sphere 0: .* through the plate wall"),
         ("--frame 3", r"bed\.h5: frame 3 was asked for"),
@@ -155,7 +155,7 @@ ITEM: ATOMS id x y z radius
         ("a.csv", "", r"a\.csv: no header; expected a header such as 'x \[m\],y"),
         ("a.dump", DUMP[: DUMP.index("2 4 0 9")], r"a\.dump.*(cut off|ends|truncated)"),
         ("a.dump", DUMP.replace("9 1\n", "x 1\n"), r"a\.dump.*line 11.*'x'"),
-        ("a.xyz", "what is this", r"a\.xyz: an unknown format; known are bedrad HDF5"),
+        ("a.what", "what is this", r"a\.what: an unknown format; known are bedrad HDF5"),
         ("a.h5", "\x89HDF\r\n\x1a\n", r"a\.h5: "),
     ],
 )
@@ -218,8 +218,8 @@ def test_files_of_others_are_not_overwritten(refused, bed, tmp_path, monkeypatch
 
 
 def test_a_bed_is_not_settled_for_a_file_that_cannot_hold_it(refused, tmp_path, no_lammps):
-    words = ("settle", "--tube", "7.75mm", "--diameter", "1mm", "--height", "9mm", "-o", tmp_path / "bed.vtp")
-    assert re.search(r"suffix '\.vtp'; packings are written as .*\.h5.*\.csv", refused(2, *words))
+    words = ("settle", "--tube", "7.75mm", "--diameter", "1mm", "--height", "9mm", "-o", tmp_path / "bed.stl")
+    assert re.search(r"suffix '\.stl'; packings are written as .*\.h5.*\.csv", refused(2, *words))
 
 
 # Engines that are missing or fail
@@ -304,6 +304,7 @@ def test_a_warning_is_one_line_and_comes_once(call):
 def test_a_fitted_wall_is_told(call, tmp_path):
     rows = "\n".join(",".join(map(repr, c)) for c in ring_bed().centers.tolist())
     (tmp_path / "bare.csv").write_text(f"x [m],y [m],z [m]\n{rows}\n")
-    code, _, err = call("statistics", tmp_path / "bare.csv", "--diameter", "600um", "--layers", "2", "--margin", "1")
+    words = ("--diameter", "600um", "--layers", "2", "--margin", "1", "--print-only")
+    code, _, err = call("statistics", tmp_path / "bare.csv", *words)
     assert code == 0
     assert any(line.startswith("wall: Tube(radius=0.0038") and "fitted by least squares" in line for line in err)

@@ -102,7 +102,7 @@ def test_a_dry_run_says_what_would_run_and_why_and_writes_nothing(ran, call):
 
 
 @pytest.mark.parametrize(
-    ("command", "stage"), [("statistics", "statistics"), ("view-factors --rays 4096", "view_factors")]
+    ("command", "stage"), [("statistics --print-only", "statistics"), ("view-factors --rays 4096", "view_factors")]
 )
 def test_a_single_command_prints_and_saves_what_python_gives(call, bed, tmp_path, command, stage):
     name, *options = command.split()
@@ -114,8 +114,9 @@ def test_a_single_command_prints_and_saves_what_python_gives(call, bed, tmp_path
     wanted = "packing_fractions" if stage == "statistics" else "layers"
     with h5py.File(tmp_path / "r.h5") as file:
         np.testing.assert_array_equal(file[stage][wanted][()], getattr(direct, wanted))
-    # all but the last lines, which tell the run time
-    assert str(direct).splitlines()[:7] == out.splitlines()[:7]
+    if stage == "view_factors":
+        # all but the last lines, which tell the run time; tests/test_statistics_command.py has the other screen
+        assert str(direct).splitlines()[:7] == out.splitlines()[:7]
 
 
 def test_dry_runs_of_single_commands_read_and_write_nothing(call, bed, no_lammps):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import bedrad
-from bedrad.command_options import BedOptions, compiling_told
+from bedrad.command_options import BedOptions, compiling_told, parse_axis, parse_columns
 
 compiled = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 
@@ -71,3 +71,38 @@ def test_what_is_left_out_at_open_ends_is_told_and_nothing_where_the_bed_repeats
     told = BedOptions(margin=1.25).ends_left_out(bedrad.Packing(centers, radii, wall))
     assert told == "3 mm of wall at either end, 1.25 mean diameters, as the bed is loose and open there"
     assert BedOptions().ends_left_out(bedrad.Packing(centers, radii, wall, period=20e-3)) is None
+
+
+def test_a_table_of_another_program_is_measured_as_the_bed_that_it_is(call, bed, tmp_path):
+    packing = bedrad.read(bed)
+    turned = packing.centers[:, [2, 0, 1]] + np.array([5e-3, 1e-3, -2e-3])
+    rows = zip((turned * 1e3).tolist(), (packing.radii * 2e3).tolist(), strict=True)
+    text = "".join(f"{d!r};{x!r};{y!r};{z!r}\n" for (x, y, z), d in rows)
+    table = tmp_path / "bed.csv"
+    table.write_text("grain;east;north;up\n" + text)
+    options = ["--unit", "mm", "--axis", "x", "--origin", "5mm", "1mm", "-2mm"]
+    columns = [word for text in ("diameter=grain", "x=east", "y=3", "z=up") for word in ("--column", text)]
+    words = ["--tube", f"{2 * packing.wall.radius!r} m", "--period", f"{packing.period or 1.0!r} m", "--dry-run"]
+    code, out, err = call("view-factors", table, *words, *options, *columns)
+    assert (code, err) == (0, [])
+    assert out == call("view-factors", bed, *words)[1]
+    assert "layers" in out
+
+
+def test_options_with_a_minus_are_values(call, bed, tmp_path):
+    packing = bedrad.read(bed)
+    rows = "".join(f"{-x!r},{y!r},{-z!r},{r!r}\n" for (x, y, z), r in zip(
+        packing.centers.tolist(), packing.radii.tolist(), strict=True))  # fmt: skip
+    (tmp_path / "a.csv").write_text("x [m],y [m],z [m],radius [m]\n" + rows)
+    for axis in (["--axis", "-0,0,-1"], ["--axis=0 0 -2"]):
+        code, *_ = call(
+            "convert", tmp_path / "a.csv", tmp_path / "b.h5", "--tube", f"{2 * packing.wall.radius!r} m", *axis
+        )
+        assert code == 0
+        np.testing.assert_allclose(bedrad.read(tmp_path / "b.h5").centers[:, 2], packing.centers[:, 2])
+
+
+def test_texts_of_axes_and_columns():
+    assert parse_axis("x") == "x"
+    assert parse_axis("0.1, 0 -1e0") == (0.1, 0.0, -1.0)
+    assert parse_columns(["x=Position[X] (m)", " radius = 4"]) == {"x": "Position[X] (m)", "radius": "4"}

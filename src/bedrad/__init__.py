@@ -17,10 +17,12 @@ if TYPE_CHECKING:
     from bedrad.packings.files import read as read
     from bedrad.packings.files import read_frames as read_frames
     from bedrad.packings.files import write as write
+    from bedrad.packings.flow import flow as flow
     from bedrad.packings.layers import layer_edges as layer_edges
     from bedrad.packings.packing import Packing as Packing
     from bedrad.packings.settle import settle as settle
     from bedrad.packings.statistics import statistics as statistics
+    from bedrad.packings.unrolled_wall import unrolled_wall as unrolled_wall
     from bedrad.raytrace.view_factors import view_factors as view_factors
     from bedrad.walls import Plate as Plate
     from bedrad.walls import Rod as Rod
@@ -36,11 +38,13 @@ _HOME = {
     "Plate": "walls",
     "Rod": "walls",
     "Tube": "walls",
+    "flow": "packings.flow",
     "layer_edges": "packings.layers",
     "read": "packings.files",
     "read_frames": "packings.files",
     "settle": "packings.settle",
     "statistics": "packings.statistics",
+    "unrolled_wall": "packings.unrolled_wall",
     "view_factors": "raytrace.view_factors",
     "write": "packings.files",
 }

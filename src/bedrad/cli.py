@@ -42,7 +42,10 @@ from bedrad.command_options import (
     warning_printer,
 )
 from bedrad.convergence_command import convergence
+from bedrad.convert_command import convert
 from bedrad.errors import EngineFailedError, MissingExtraError
+from bedrad.flow_command import flow
+from bedrad.statistics_command import statistics
 
 __all__ = ["app", "main"]
 
@@ -192,45 +195,18 @@ def settle(
     list_files([output])
 
 
-@app.command(help_epilogue="Example:  bedrad statistics bed.h5 --contact-gap 0.01\n\n"
-             "A dump:  bedrad statistics bed.dump --tube 7.75mm -o statistics.h5")  # fmt: skip
-def statistics(
-    file: Path,
-    /,
-    *,
-    bed_options: BedOptions | None = None,
-    contact_gap: float = 1e-2,
-    output: Output = None,
-    dry_run: DryRun = False,
-) -> None:
-    """Measure a packing beside its wall: solid fractions, wall contacts, no-contact particles, with errors.
+app.command(
+    flow,
+    help_epilogue="Example:  bedrad flow --tube 7.75mm --diameter 600um --velocity 0.1m/s --frames 31 -o flow.h5\n\n"
+    "Through an orifice:  bedrad flow --tube 7.75mm --diameter 450um --orifice 5mm -o orifice.h5",
+)
 
-    Parameters
-    ----------
-    file
-        The packing: bedrad HDF5 or CSV, LAMMPS or LIGGGHTS dump.
-    contact_gap
-        Gap to the wall that counts as contact, in radii.
-    output
-        Results file (HDF5) to write.
-    dry_run
-        Read and check the packing and say what would be measured.
-    """
-    import bedrad
 
-    options = bed_options or BedOptions()
-    bed, edges = options.read(file)
-    if dry_run:
-        options.describe(bed, edges)
-        return
-    check_output("statistics", output)
-    with compiling_told():
-        found = bedrad.statistics(bed, edges, contact_gap, margin=options.margin)
-    say(str(found))
-    if output is not None:
-        from bedrad.jobs.stages import fill_statistics
-
-        save("statistics", lambda group: fill_statistics(group, found), file, output)
+app.command(
+    statistics,
+    help_epilogue="Example:  bedrad statistics bed.h5 --contact-gap 0.01\n\n"
+    "The mean over a flow:  bedrad statistics flow.dump --tube 7.75mm --all-frames --velocity 0.05m/s -o statistics.h5",
+)
 
 
 @app.command(help_epilogue="Example:  bedrad view-factors bed.h5 --tolerance 1e-4\n\n"
@@ -293,6 +269,12 @@ def view_factors(
 
         save("view_factors", lambda group: fill_view_factors(group, found), file, output)
 
+
+app.command(
+    convert,
+    help_epilogue="Example:  bedrad convert bed.dump bed.vtp --tube 7.75mm --unit mm\n\n"
+    "A trajectory:  bedrad convert 'dump_*.vtk' frames/bed.h5 --all-frames --axis x",
+)
 
 app.command(
     convergence,

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import cyclopts
 from cyclopts import Group, Parameter
@@ -44,6 +44,7 @@ Velocity = Annotated[float, read_as("m/s")]
 Temperature = Annotated[float, read_as("K")]
 Density = Annotated[float, read_as("kg/m^3")]
 Stiffness = Annotated[float, read_as("N/m")]
+Pressure = Annotated[float, read_as("Pa")]
 Conductivity = Annotated[float, read_as("W/(m K)")]
 PerArea = Annotated[float, read_as("1/m^2")]
 Seed = Annotated[int, Parameter(validator=cyclopts.validators.Number(gte=0, lt=2**63))]
@@ -53,6 +54,8 @@ WALL_GROUP = Group("Wall", help="One of these where the file does not name its w
 TubeDiameter = Annotated[Length | None, Parameter(name="--tube", group=WALL_GROUP)]
 RodDiameter = Annotated[Length | None, Parameter(name="--rod", group=WALL_GROUP)]
 IsPlate = Annotated[bool, Parameter(name="--plate", group=WALL_GROUP, negative=())]
+WallFile = Annotated[Path | None, Parameter(name="--wall-stl", group=WALL_GROUP)]
+FittedWall = Annotated[Literal["tube", "rod", "plate"] | None, Parameter(name="--fit-wall", group=WALL_GROUP)]
 
 
 def parse_size(text: str) -> tuple[float, float]:
@@ -69,10 +72,34 @@ def parse_size(text: str) -> tuple[float, float]:
     return quantity(diameter, "m"), number
 
 
+def parse_axis(text: str) -> str | tuple[float, ...]:
+    """Direction from ``x``, ``y`` or ``z``, or from three numbers such as ``"0.1, 0, 1"``; ValueError if it is none."""
+    parts = text.replace(",", " ").split()
+    if len(parts) == 1:
+        return parts[0]
+    try:
+        return tuple(float(part) for part in parts)
+    except ValueError:
+        raise ValueError(f'--axis {text!r}: expected x, y, z or three numbers, such as "0.1,0,1"') from None
+
+
+def parse_columns(texts: Sequence[str]) -> dict[str, str]:
+    """Columns from texts such as ``"x=Position X"``; ValueError if one is none, or names a quantity again."""
+    columns: dict[str, str] = {}
+    for text in texts:
+        name, separator, column = (part.strip() for part in text.partition("="))
+        if not (name and separator and column):
+            raise ValueError(f'--column {text!r}: expected a quantity and a column, such as "x=Position X" or "x=2"')
+        if name in columns:
+            raise ValueError(f"--column {text!r}: {name} was given before, as {columns[name]!r}")
+        columns[name] = column
+    return columns
+
+
 @Parameter(name="*")
 @dataclass(frozen=True)
-class BedOptions:
-    """Which bed a command measures, and how it is cut.
+class ReadOptions:
+    """Which bed is in a file, and what the file does not say.
 
     Parameters
     ----------
@@ -82,24 +109,118 @@ class BedOptions:
         The bed is around a rod of this diameter.
     plate
         The bed lies on the plane z = 0.
+    wall_stl
+        The wall is the cylinder or plane in this STL file (extra mesh).
+    fit_wall
+        Fit this kind of wall to the spheres.
+    wall_unit
+        What the lengths in the STL file are in; --unit if not given, or m.
     period
         The bed repeats along the axis of a tube or rod after this length.
     diameter
         Particle diameter, for files that hold positions only.
+    unit
+        What the lengths in the file are in, where it does not say so: m, cm, mm, um, nm, in or ft. [default: m]
+    axis
+        Direction in the file of the wall's axis, or the normal of a plate: x, y, z or three numbers, such as "0.1,0,1".
+    origin
+        A point of the axis or plate in the file: three lengths.
+    column
+        Where a quantity stands in a table, once for each: "x=Position X", or "x=2" for the second column.
     frame
         Number of the frame, from 0; -1 is the last.
+    max_overlap
+        Overlap that is accepted, in radii; the file's or 0.1 if not given.
+    """
+
+    tube: TubeDiameter = None
+    rod: RodDiameter = None
+    plate: IsPlate = False
+    wall_stl: WallFile = None
+    fit_wall: FittedWall = None
+    wall_unit: Annotated[str | None, Parameter(group=WALL_GROUP)] = None
+    period: Length | None = None
+    diameter: Length | None = None
+    unit: str | None = None
+    axis: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None
+    origin: Annotated[tuple[Length, Length, Length] | None, Parameter(negative=(), allow_leading_hyphen=True)] = None
+    column: Annotated[tuple[str, ...], Parameter(negative=(), show_default=False)] = ()
+    frame: int = -1
+    max_overlap: float | None = None
+
+    def read_packing(self, file: Path) -> Packing:
+        """Read one frame, and say on the error stream what wall was fitted; ValueError if several walls were given."""
+        import bedrad
+
+        bed = bedrad.read(file, frame=self.frame, **self._arguments())
+        self.tell_wall(bed)
+        return bed
+
+    def read_frames(self, source: Path) -> Iterator[Packing]:
+        """Read all frames of a file, a pattern or a folder, one after the other."""
+        import bedrad
+
+        return bedrad.read_frames(source, **self._arguments())
+
+    def tell_wall(self, bed: Packing) -> None:
+        """Say on the error stream what wall was fitted, if one was, and how sure it is."""
+        notes = bed.provenance
+        if "wall_origin" not in notes or self.tube is not None or self.rod is not None or self.plate:
+            return
+        parts = [f"wall: {bed.wall!r}, {notes['wall_origin']}"]
+        for key, form in (
+            ("wall_fit_residual_radii", "residual {:.2g} radii"),
+            ("wall_fit_residual_m", "residual {:.2g} m"),
+            ("wall_fit_radius_error_m", "radius ± {:.2g} m"),
+            ("wall_fit_axis_error_m", "axis ± {:.2g} m"),
+            ("wall_fit_height_error_m", "height ± {:.2g} m"),
+            ("wall_fit_direction_error_rad", "direction ± {:.2g} rad"),
+            ("wall_facet_sagitta_m", "facets up to {:.2g} m inside"),
+        ):
+            if key in notes:
+                parts.append(form.format(notes[key]))
+        _note("; ".join(parts))
+
+    def _arguments(self) -> dict[str, Any]:
+        """What `bedrad.read` is given."""
+        import bedrad
+
+        given: list[Wall | Path | str] = []
+        if self.tube is not None:
+            given.append(bedrad.Tube(self.tube / 2))
+        if self.rod is not None:
+            given.append(bedrad.Rod(self.rod / 2))
+        if self.plate:
+            given.append(bedrad.Plate())
+        given += [wall for wall in (self.wall_stl, self.fit_wall) if wall is not None]
+        if len(given) > 1:
+            raise ValueError("give one wall: --tube, --rod, --plate, --wall-stl or --fit-wall")
+        return {
+            "wall": given[0] if given else None,
+            "diameter": self.diameter,
+            "period": self.period,
+            "max_overlap": self.max_overlap,
+            "unit": self.unit,
+            "columns": parse_columns(self.column),
+            "axis": None if self.axis is None else parse_axis(self.axis),
+            "origin": self.origin,
+            "wall_unit": self.wall_unit,
+        }
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class BedOptions(ReadOptions):
+    """Which bed a command measures, and how it is cut; the parameters of `ReadOptions`, and two more.
+
+    Parameters
+    ----------
     layers
         Number of layers: the first one radius deep, the others one diameter.
     margin
         What is left out at open ends, in mean diameters.
     """
 
-    tube: TubeDiameter = None
-    rod: RodDiameter = None
-    plate: IsPlate = False
-    period: Length | None = None
-    diameter: Length | None = None
-    frame: int = -1
     layers: int = 3
     margin: float = 4.0
 
@@ -107,21 +228,7 @@ class BedOptions:
         """Read the bed and cut it: the packing and the depths of its layers; ValueError if several walls were given."""
         import bedrad
 
-        given: list[Wall] = []
-        if self.tube is not None:
-            given.append(bedrad.Tube(self.tube / 2))
-        if self.rod is not None:
-            given.append(bedrad.Rod(self.rod / 2))
-        if self.plate:
-            given.append(bedrad.Plate())
-        if len(given) > 1:
-            raise ValueError("give one wall: --tube, --rod or --plate")
-        wall = given[0] if given else None
-        bed = bedrad.read(file, wall, diameter=self.diameter, period=self.period, frame=self.frame)
-        fit = bed.provenance.get("wall_origin")
-        if fit is not None and wall is None:
-            residual = bed.provenance["wall_fit_residual_radii"]
-            _note(f"wall: {bed.wall!r}, {fit}; residual {residual:.2g} radii")
+        bed = self.read_packing(file)
         return bed, bedrad.layer_edges(bed, self.layers)
 
     def describe(self, bed: Packing, edges: Any) -> None:
@@ -149,7 +256,7 @@ def check_output(stage: str, output: Path | None) -> None:
     check_record_file(output, stage)
 
 
-def check_bed_output(output: Path) -> None:
+def check_bed_output(output: Path, *, place: bool = True) -> None:
     """Check that a packing can be written, before it is computed: ValueError for its suffix, OSError for its place."""
     from bedrad.jobs.results import check_writable
     from bedrad.packings.files import FORMATS
@@ -157,7 +264,8 @@ def check_bed_output(output: Path) -> None:
     known = [suffix for form in FORMATS if form.write is not None for suffix in form.suffixes]
     if output.suffix.lower() not in known:
         raise ValueError(f"{output}: suffix {output.suffix!r}; packings are written as {', '.join(known)}")
-    check_writable(output)
+    if place:
+        check_writable(output)
 
 
 def save(stage: str, fill: Any, source: Path, output: Path | None) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from bedrad import BadFileError, Packing, Plate, Rod, Tube, read, write
+from bedrad.packings.files import csv_table
 
 TUBE = Tube(0.01)
 HEADER = "x [m],y [m],z [m],radius [m]\n"
@@ -35,6 +36,108 @@ def test_order_case_quotes_brackets_and_other_columns_do_not_matter(tmp_path: Pa
     packing = read(put(tmp_path, text), TUBE)
     np.testing.assert_allclose(packing.centers, [[1e-3, 2e-3, 3e-3], [4e-3, 5e-3, 9e-3]], rtol=1e-15)
     np.testing.assert_allclose(packing.radii, [5e-4, 2.5e-4], rtol=1e-15)
+
+
+SPHERE = [[1e-3, 2e-3, 3e-3]]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "X (m),Y (m),Z (m),Particle Diameter (m)\n.001,.002,.003,.001\n",
+        "x [mm];y [mm];z [mm];d [mm]\n1;2;3;1\n",
+        "x [mm]\ty [mm]\tz [mm]\tradius [um]\n1\t2\t3\t500\n",
+        # what STAR-CCM+ writes of tracks, the plain position beside it
+        '"Track: Parcel Index","Track: Position[X] (m)","Track: Position[Y] (m)","Track: Position[Z] (m)",'
+        '"Track: Particle Diameter (m)","Track: Velocity[i] (m/s)"\n7,.001,.002,.003,.001,.5\n',
+        '"X (mm)","Y (mm)","Z (mm)","Position[X] (m)","Position[Y] (m)","Position[Z] (m)","Radius (mm)"\n'
+        "1,2,3,9,9,9,.5\n",
+        "Region: Bed: Centroid[X] (m),Region: Bed: Centroid[Y] (m),Region: Bed: Centroid[Z] (m),Size (m)\n"
+        ".001,.002,.003,.001\n",
+        "Particle X-Coordinate: (m),Particle Y-Coordinate: (m),Particle Z-Coordinate: (m),Particle Size: (m)\n"
+        ".001,.002,.003,.001\n",
+        "Points:0 [cm],Points:1 [cm],Points:2 [cm],rad [cm]\n.1,.2,.3,.05\n",
+        "x_mm,y_mm,z_mm,radius_mm\n1,2,3,0.5\n",
+        "pos_x (mm), pos_y (mm), pos_z (mm), diam (mm)\n1, 2, 3, 1\n",
+        # the one form has no z, the other has
+        "x [mm],y [mm],center z [mm],r [mm]\n1,2,3,.5\n",
+        'name,x [mm],y [mm],z [mm],r [mm]\n"a, ""b""",1,2,3,.5\n',
+        'x [mm],y [mm],z [mm],r [mm]\n"1","2","3","0.5"\n',
+    ],
+)
+def test_headers_of_many_programs(tmp_path: Path, text: str) -> None:
+    # a name without a suffix: the content tells
+    packing = read(put(tmp_path, text, "bed"), TUBE)
+    np.testing.assert_allclose(packing.centers, SPHERE, rtol=1e-15)
+    np.testing.assert_allclose(packing.radii, [5e-4], rtol=1e-15)
+    assert dict(packing.provenance) == {"file": "bed", "format": "CSV"}
+
+
+def test_a_header_without_units_needs_one(tmp_path: Path) -> None:
+    path = put(tmp_path, "x,y,z,radius\n1,2,3,0.5\n")
+    with pytest.raises(BadFileError, match=r"bed\.csv, line 1: the columns have no unit; give the unit of its lengths"):
+        read(path, TUBE)
+    packing = read(path, TUBE, unit="mm")
+    np.testing.assert_allclose(packing.centers, SPHERE, rtol=1e-15)
+    assert packing.provenance["length_unit"] == "mm, as given"
+    # a wall in a comment is no unit of the columns
+    with pytest.raises(BadFileError, match="line 2: the columns have no unit"):
+        read(put(tmp_path, "# wall: tube radius=0.01 m\nx,y,z,radius\n1,2,3,0.5\n"))
+    with pytest.raises(ValueError, match=r"the unit 'mm' was given, but .*bed\.csv states the unit"):
+        read(put(tmp_path, HEADER + "0,0,0,0.001\n"), TUBE, unit="mm")
+    with pytest.raises(ValueError, match="the unit of length is 'yard'; expected one of m, cm, mm, um, nm, in, ft"):
+        read(path, TUBE, unit="yard")
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        {"x": "Easting", "y": "Northing", "z": "Up", "diameter": "Grain"},
+        {"x": "easting (MM)", "y": "northing", "z": "up", "diameter": "grain"},
+        {"x": 2, "y": "3", "z": 4, "diameter": 1},
+    ],
+)
+def test_columns_that_are_named_by_the_user(tmp_path: Path, columns: dict[str, str | int]) -> None:
+    path = put(tmp_path, "Grain (mm),Easting (mm),Northing (mm),Up (mm),z (m)\n1,1,2,3,77\n")
+    packing = read(path, TUBE, columns=columns)
+    np.testing.assert_allclose(packing.centers, SPHERE, rtol=1e-15)
+    np.testing.assert_allclose(packing.radii, [5e-4], rtol=1e-15)
+
+
+def test_numbers_of_columns_need_no_header(tmp_path: Path) -> None:
+    path = put(tmp_path, "# no header\n1,2,3,0.5\n4,5,6,0.25\n")
+    packing = read(path, TUBE, columns={"x": 1, "y": 2, "z": 3, "radius": 4}, unit="mm")
+    np.testing.assert_allclose(packing.centers, [*SPHERE, [4e-3, 5e-3, 6e-3]], rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        ({"x": "a"}, r"line 1: column 'a' for x is not there; the header has x \[m\], y"),
+        ({"x": 6}, "line 1: column '6' for x is not there"),
+        ({"x": 0}, "line 1: column '0' for x is not there"),
+        ({"x": "y"}, "line 1: column 'y' for x comes 2 times"),
+    ],
+)
+def test_columns_that_are_not_there(tmp_path: Path, columns: dict[str, str | int], message: str) -> None:
+    with pytest.raises(BadFileError, match=message):
+        read(put(tmp_path, "x [m],y [m],Y [cm],z [m],radius [m]\n0,0,0,0,1\n"), TUBE, columns=columns)
+
+
+def test_columns_that_bedrad_does_not_have(tmp_path: Path) -> None:
+    path = put(tmp_path, HEADER + "0,0,0,0.001\n")
+    with pytest.raises(ValueError, match="columns name 'colour'; expected x, y, z, radius, diameter"):
+        read(path, TUBE, columns={"colour": "radius"})
+
+
+def test_chunks_leave_no_seam(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(csv_table, "ROWS_AT_ONCE", 7)
+    rows = [f"0,0,{0.002 * i!r},0.001\n" for i in range(50)]
+    rows.insert(33, "# a comment amid the rows\n\n")
+    assert read(put(tmp_path, HEADER + "".join(rows)), TUBE).centers[:, 2].tolist() == [0.002 * i for i in range(50)]
+    rows[40] = "0,0,7,x\n"
+    with pytest.raises(BadFileError, match="line 43: radius is 'x'"):
+        read(put(tmp_path, HEADER + "".join(rows)), TUBE)
 
 
 def test_a_column_of_diameters(tmp_path: Path) -> None:
@@ -97,6 +200,11 @@ def test_windows_line_ends_and_gzip(tmp_path: Path) -> None:
         ("x [m],y [inch],z [m]\n0,0,0\n", r"line 1: column 'y' has the unit 'inch'"),
         ("x [m],x [m],y [m],z [m]\n0,0,0,0\n", r"line 1: column 'x' comes twice"),
         ("0.1,0.2,0.3,0.4\n0.1,0.2,0.3,0.4\n", r"line 1: no column x, y, z"),
+        ("x [m];y [m];z [m];r [m]\n0,1;0;0;0,001\n", r"line 2: x is '0,1'; expected a number"),
+        (HEADER + '"0,0",0,0.001\n', r"line 2: 3 fields; the header names 4 columns"),
+        (HEADER + "0,0,0,0.001,\n", r"line 2: 5 fields; the header names 4 columns"),
+        (HEADER + "0,0,0\n0,0,0,0.001,9\n", r"line 2: 3 fields; the header names 4 columns"),
+        ("x [m],y [m],z [m],radius [m],diameter [m],d [mm]\n", r"line 1: column 'diameter' comes twice: 'diameter"),
         ("# only a comment\n", r"no header; expected a header such as"),
         ("# wall: tube\n" + HEADER, r"line 1: wall 'tube' is not understood: the tube wall has the radius None"),
         ("# wall: tube radius=wide m\n" + HEADER, r"line 1: wall .* is not understood: could not convert"),

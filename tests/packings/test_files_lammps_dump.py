@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bedrad import BadFileError, Plate, Rod, Tube, read
-from bedrad.packings.files import read_frames
+from bedrad.packings.files import byte_lines, lammps_dump, read_frames
 
 DATA = Path(__file__).parents[1] / "data" / "lammps_dumps"
 TUBE = Tube(0.002)
@@ -58,7 +58,13 @@ def test_a_dump_of_lammps_in_full() -> None:
     assert [round(r * 1e4) for r in packing.radii] == [3, 3, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3]
     # id 8, which the last frame lists first
     assert packing.centers[7].tolist() == [0.00023728752676271231, 0.00097146230090942886, 0.0021194756541491932]
-    assert dict(packing.provenance) == {"file": "plain.dump", "format": "LAMMPS dump", "frame": 2, "timestep": 80}
+    assert dict(packing.provenance) == {
+        "file": "plain.dump",
+        "format": "LAMMPS dump",
+        "frame": 2,
+        "timestep": 80,
+        "length_unit": "m, assumed",
+    }
 
 
 def test_frames_come_one_after_the_other() -> None:
@@ -111,6 +117,87 @@ def test_units_that_the_dump_names(tmp_path: Path, units: str, metre: float) -> 
     np.testing.assert_allclose(packing.radii, [0.25 * metre, 0.5 * metre], rtol=1e-15)
     np.testing.assert_allclose(packing.centers[:, 2], [4 * metre, 2 * metre], rtol=1e-12)
     assert packing.period == pytest.approx(5 * metre, rel=1e-15)
+    assert "length_unit" not in packing.provenance
+    with pytest.raises(ValueError, match=r"the unit 'mm' was given, but .*bed\.dump states the unit of its lengths"):
+        read(put(tmp_path, text), Tube(1.0), unit="mm")
+
+
+def test_a_unit_that_the_dump_does_not_name(tmp_path: Path) -> None:
+    # lj is no unit: lengths are plain numbers
+    for text in (SMALL, f"ITEM: UNITS\nlj\n{SMALL}"):
+        packing = read(put(tmp_path, text), Tube(1.0), unit="mm")
+        np.testing.assert_allclose(packing.radii, [0.25e-3, 0.5e-3], rtol=1e-15)
+        np.testing.assert_allclose(packing.centers[:, 2], [4e-3, 2e-3], rtol=1e-12)
+        assert packing.period == pytest.approx(5e-3, rel=1e-15)
+        assert packing.provenance["length_unit"] == "mm, as given"
+        assert read(put(tmp_path, text), Tube(1.0)).provenance["length_unit"] == "m, assumed"
+
+
+def test_labels_times_and_columns_of_words_are_passed_over(tmp_path: Path) -> None:
+    text = SMALL.replace("ITEM: NUMBER", "ITEM: LABEL\nspheres of glass\nITEM: TIME\n0.5\nITEM: NUMBER")
+    assert (
+        read(put(tmp_path, text), Tube(1.0)).centers.tolist() == read(put(tmp_path, SMALL), Tube(1.0)).centers.tolist()
+    )
+    words = text.replace("z radius", "z radius element").replace("2 0.5", "2 0.5 Si").replace("-1 0.25", "-1 0.25 O")
+    packing = read(put(tmp_path, words), Tube(1.0))
+    assert (packing.radii.tolist(), packing.centers[:, 2].tolist()) == ([0.25, 0.5], [4.0, 2.0])
+
+
+def many(frames: int, count: int) -> str:
+    """Frames of a column of spheres, the last first; frame k lies k/100 m further out."""
+    head = f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{count}\nITEM: ATOMS id x y z radius\n"
+    return "".join(head + "".join(f"{i} {k / 100} 0 {2 * i} 1\n" for i in range(count, 0, -1)) for k in range(frames))
+
+
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("frame", [0, 3, -1, -5])
+def test_blocks_and_chunks_leave_no_seam(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, packed: bool, frame: int
+) -> None:
+    monkeypatch.setattr(byte_lines, "_BLOCK", 64)
+    monkeypatch.setattr(lammps_dump, "ROWS_AT_ONCE", 7)
+    text = many(5, 40)
+    path = tmp_path / ("bed.dump.gz" if packed else "bed.dump")
+    # the last line without its end, as a killed run may leave it
+    path.write_bytes(gzip.compress(text[:-1].encode()) if packed else text[:-1].encode())
+    packing = read(path, Tube(5.0), frame=frame)
+    assert packing.centers.tolist() == [[frame % 5 / 100, 0.0, 2.0 * i] for i in range(1, 41)]
+    assert [p.centers[0, 0] for p in read_frames(path, Tube(5.0))] == [0.0, 0.01, 0.02, 0.03, 0.04]
+
+
+def test_earlier_frames_are_counted_and_not_read(tmp_path: Path) -> None:
+    text = many(1, 3).replace(" 0 ", " soon ") + many(1, 3)
+    assert len(read(put(tmp_path, text), Tube(5.0))) == 3
+    with pytest.raises(BadFileError, match="line 6: y is 'soon'"):
+        read(put(tmp_path, text), Tube(5.0), frame=0)
+
+
+def test_an_error_deep_in_a_long_frame_has_its_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lammps_dump, "ROWS_AT_ONCE", 7)
+    for wrong, message in (("31 0.0 0 6x 1", "z is '6x'"), ("31 0.0 0 62", "4 fields"), ("31 0 0 62 1 1", "6 fields")):
+        text = many(1, 40).replace("31 0.0 0 62 1", wrong)
+        with pytest.raises(BadFileError, match=f"line 15: {message}"):
+            read(put(tmp_path, text), Tube(5.0))
+    # a short row and a long one, which together have as many fields as two good ones
+    text = many(1, 40).replace("31 0.0 0 62 1", "31 0.0 0 62").replace("30 0.0 0 60 1", "30 0.0 0 60 1 1")
+    with pytest.raises(BadFileError, match="line 15: 4 fields"):
+        read(put(tmp_path, text), Tube(5.0))
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_a_count_beyond_the_file_takes_no_memory(tmp_path: Path, packed: bool) -> None:
+    text = many(1, 3).replace("ATOMS\n3", "ATOMS\n1000000000000")
+    path = tmp_path / "bed.dump"
+    path.write_bytes(gzip.compress(text.encode()) if packed else text.encode())
+    for frame in (0, -1):
+        with pytest.raises(BadFileError, match="frame 0 is cut off: 1000000000000 rows expected, 3 found"):
+            read(path, TUBE, frame=frame)
+
+
+def test_a_file_without_line_ends_is_no_dump(tmp_path: Path) -> None:
+    path = put(tmp_path, "ITEM: ATOMS" + "x" * 2**22)
+    with pytest.raises(BadFileError, match=r"bed\.dump, line 1: longer than 1048576 bytes; no table has such lines"):
+        read(path, TUBE)
 
 
 def test_diameters_and_sizes_from_outside(tmp_path: Path) -> None:
@@ -174,7 +261,9 @@ def broken(old: str, new: str) -> str:
         (broken("-2 3\n", "-2 inf\n"), "line 8: the upper bound is 'inf'; expected a finite number"),
         (broken("BOUNDS ff ff pp", "BOUNDS xy xz yz ff ff pp"), "line 5: a triclinic box"),
         (broken("BOUNDS ff ff pp", "BOUNDS abc origin ff ff pp"), "line 5: a triclinic box"),
-        ("ITEM: UNITS\nreal\n" + SMALL, "line 2: the units are 'real'; expected one of si, cgs, micro, nano"),
+        ("ITEM: UNITS\nreal\n" + SMALL, "line 2: the units are 'real'; expected one of si, cgs, micro, nano, lj"),
+        (broken("9 0 0 2 0.5", ""), "line 10: 0 fields; 'ITEM: ATOMS' names 5 columns"),
+        (broken("9 0 0 2", "1e300 0 0 2"), "line 10: id is 1e[+]300; expected an integer"),
         (SMALL[: SMALL.index("-1 1\n-2")], "cut off after line 6; expected the bounds of the box along y"),
         (SMALL[: SMALL.index("100")], "cut off after line 1; expected the time step"),
         (SMALL[: SMALL.index("ITEM: ATOMS")], "no 'ITEM: ATOMS' in the whole file"),

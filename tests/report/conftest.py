@@ -106,6 +106,32 @@ def made_up_statistics():
         "profile_depths": depths,
         "profile": profile,
         "profile_error": np.full_like(profile, 0.004),
+        "nc_share_by_gap": np.array([0.22, 0.21, 0.1773]),
+        "nc_share_by_gap_error": np.array([0.009, 0.009, 0.0089]),
+        "nc_gap_edges": np.linspace(0.0, 1.0, 5),
+        "nc_gap_density": np.array([0.8, 0.6, 1.0, 1.6]),
+        "nc_gap_density_error": np.array([0.1, 0.2, 0.1, 0.2]),
+        "nc_gap_beyond": 0.0,
+        "nc_gap_beyond_error": 0.0,
+        "centre_depths": depths,
+        "centre_density": 5e9 * profile,
+        "centre_density_error": np.full_like(profile, 1e8),
+        "contact_density": 1.5e10 * profile,
+        "contact_density_error": np.full_like(profile, 3e8),
+        "coordination": np.array([4.13, 5.17, 5.41]),
+        "coordination_error": np.array([0.05, 0.05, 0.06]),
+        "coordination_by_gap": np.array([[3.8, 3.9, 4.13], [4.8, 4.9, 5.17], [5.0, 5.1, 5.41]]),
+        "coordination_by_gap_error": np.full((3, 3), 0.05),
+        "contact_number_shares": np.array([0.0, 0.1, 0.2, 0.3, 0.25, 0.1, 0.05]),
+        "contact_number_shares_error": np.full(7, 0.01),
+        "rattler_share": 0.094,
+        "rattler_share_error": 0.007,
+        "hexagonal_order": 0.597,
+        "hexagonal_order_error": 0.013,
+        "wall_neighbours": 3.95,
+        "wall_neighbours_error": 0.07,
+        "sauter_diameter": 6.1e-4,
+        "volume_mean_diameter": 6.2e-4,
         "spheres": 3477,
         "contacts": 724,
         "no_contacts": 156,
@@ -154,7 +180,9 @@ def fill_view_factors(group, data):
 
 def fill_statistics(group, data):
     save_fields(group, data, STATISTICS)
-    group.attrs.update({"left_out_outside_window": 1028, "left_out_deeper": 1038})
+    group.attrs.update(
+        {"left_out_outside_window": 1028, "left_out_deeper": 1038, "wall": "tube", "wall_radius": 3.87e-3}
+    )
 
 
 def fill_convergence(group, data):

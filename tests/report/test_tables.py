@@ -11,8 +11,8 @@ from bedrad.errors import BadFileError
 from bedrad.jobs.results import Results
 from bedrad.report.tables import write_tables
 
-ALL = {"prediction", "prediction_inputs", "view_factors", "statistics", "layers", "contacts", "profile",
-       "convergence", "convergence_rates"}  # fmt: skip
+ALL = {"prediction", "prediction_inputs", "view_factors", "statistics", "layers", "contacts", "profile", "centres",
+       "nc_gaps", "coordination", "convergence", "convergence_rates"}  # fmt: skip
 
 
 def read(path):
@@ -42,7 +42,7 @@ def test_every_table_has_a_file_named_after_the_results(made, tmp_path):
 
 
 def test_every_column_of_numbers_names_its_unit(tables):
-    texts = {"case", "title", "bulk model", "target", "layer"}
+    texts = {"case", "title", "bulk model", "target", "layer", "contacts with spheres"}
     for name, rows in tables.items():
         for heading, value in rows[0].items():
             if heading not in texts:
@@ -121,10 +121,13 @@ def test_statistics_and_layers(made, tables):
     assert float(row["no-contact distance [particle radii]"]) == 0.465
     assert row["no-contact distance closing [particle radii]"] == ""
     assert row["contacts [1]"] == "724"
+    assert float(row["sauter diameter [m]"]) == 6.1e-4
+    assert float(row["hexagonal order [1]"]) == 0.597
     layers = tables["layers"]
     assert column(layers, "depth to [m]") == data["edges"][1:].tolist()
     assert column(layers, "solid fraction [1]") == data["packing_fractions"].tolist()
     assert column(layers, "solid fraction error [1]") == data["packing_fractions_error"].tolist()
+    assert column(layers, "contacts a sphere [1]") == data["coordination"].tolist()
 
 
 def test_contacts_and_profile(made, tables):
@@ -138,6 +141,21 @@ def test_contacts_and_profile(made, tables):
     np.testing.assert_array_equal(column(profile, "depth to [m]"), data["profile_depths"][1:])
     middles = (np.arange(25) + 0.5) * 5.0 / 25  # 25 bins over five radii
     np.testing.assert_allclose(column(profile, "mean depth [particle radii]"), middles, rtol=1e-12)
+    np.testing.assert_allclose(column(profile, "mean radial position [m]"), 3.87e-3 - 3e-4 * middles, rtol=1e-12)
+    assert column(contacts, "no-contact share error [1]") == data["nc_share_by_gap_error"].tolist()
+    assert column(contacts, "contacts a sphere in layer 2 [1]") == data["coordination_by_gap"][1].tolist()
+
+
+def test_distributions(made, tables):
+    data = made.data["statistics"]
+    centres, gaps, numbers = tables["centres"], tables["nc_gaps"], tables["coordination"]
+    assert column(centres, "sphere centres per volume [1/m3]") == data["centre_density"].tolist()
+    assert column(centres, "contacts between spheres per volume error [1/m3]") == data["contact_density_error"].tolist()
+    heading = "share of no-contact particles per gap [1/particle radius]"
+    assert column(gaps, heading) == data["nc_gap_density"].tolist()
+    assert column(gaps, "gap to [particle radii]") == [0.25, 0.5, 0.75, 1.0]
+    assert [row["contacts with spheres"] for row in numbers] == ["0", "1", "2", "3", "4", "5", "more than 5"]
+    assert column(numbers, "share of spheres [1]") == data["contact_number_shares"].tolist()
 
 
 def test_convergence(made, tables):
@@ -157,7 +175,7 @@ def test_convergence(made, tables):
     [
         ("prediction", {"prediction", "prediction_inputs"}),
         ("view_factors", {"view_factors"}),
-        ("statistics", {"statistics", "layers", "contacts", "profile"}),
+        ("statistics", {"statistics", "layers", "contacts", "profile", "centres", "nc_gaps", "coordination"}),
         ("convergence", {"convergence", "convergence_rates"}),
     ],
 )

@@ -22,10 +22,11 @@ from bedrad.jobs.fields import (
 from bedrad.jobs.job import Job, PredictionSection, TemperatureRange
 from bedrad.jobs.results import Results, save_fields
 from bedrad.packings.files import read, save_packing
+from bedrad.packings.files.contents import describe_wall
 from bedrad.packings.layers import layer_edges
 from bedrad.packings.packing import Packing
 from bedrad.packings.settle import settle
-from bedrad.packings.statistics import Statistics, statistics
+from bedrad.packings.statistics import Statistics, TrajectoryStatistics, statistics
 from bedrad.raytrace.convergence import convergence
 from bedrad.raytrace.factors import ViewFactors
 from bedrad.raytrace.view_factors import view_factors
@@ -85,6 +86,16 @@ def run_statistics(job: Job, results: Results, progress: Progress) -> Fill:
 def fill_statistics(group: h5py.Group, found: Statistics) -> None:
     """Write statistics into an HDF5 group."""
     save_fields(group, found, STATISTICS)
+    if isinstance(found, TrajectoryStatistics):
+        behind = {
+            f"{name}_structures": ("1", f"independent structures behind: {STATISTICS[name][1]}")
+            for name in found.structures
+        }
+        save_fields(group, {f"{name}_structures": number for name, number in found.structures.items()}, behind)
+    kind, radius = describe_wall(found.wall)
+    group.attrs["wall"] = kind
+    if radius is not None:
+        group.attrs["wall_radius"] = radius
     _fill_window(group, found.window)
     for name, count in found.left_out.items():
         group.attrs[f"left_out_{name}"] = count
@@ -215,7 +226,7 @@ RUNNERS: Mapping[str, Runner] = {
 
 ORDER = tuple(RUNNERS)
 
-REVISIONS: Mapping[str, int] = dict.fromkeys(RUNNERS, 1) | {"view_factors": 2, "convergence": 2}
+REVISIONS: Mapping[str, int] = dict.fromkeys(RUNNERS, 1) | {"statistics": 2, "view_factors": 2, "convergence": 2}
 """Raised where a correction changes what a stage gives, so that earlier results of it are not kept."""
 
 

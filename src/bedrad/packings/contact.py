@@ -15,6 +15,7 @@ __all__ = [
     "damping_rate",
     "damping_ratio",
     "effective_mass",
+    "hertz_duration",
     "softened_stiffness",
     "softening_rule",
     "sphere_mass",
@@ -111,3 +112,26 @@ def contact_duration(stiffness: float, mass: float, restitution: float) -> float
     """Half a period of the damped spring. [s]."""
     ratio = damping_ratio(restitution)
     return math.pi / math.sqrt(stiffness / mass * (1.0 - ratio) * (1.0 + ratio))
+
+
+def hertz_duration(youngs_modulus: float, poisson_ratio: float, diameter: float, density: float, speed: float) -> float:
+    """Duration of the elastic head-on impact of two equal spheres with Hertz contacts (Johnson 1985, eq. 11.24).
+
+    Parameters
+    ----------
+    youngs_modulus, poisson_ratio : float
+        Elastic constants of both. [Pa], -
+    diameter, density : float
+        Diameter [m] and density [kg/m3] of the spheres.
+    speed : float
+        Relative speed before the impact. [m/s]
+
+    Returns
+    -------
+    float
+        [s]
+    """
+    mass = sphere_mass(diameter, density) / 2.0
+    radius = diameter / 4.0
+    modulus = youngs_modulus / (2.0 * (1.0 - poisson_ratio**2))
+    return 2.87 * math.pow(mass * mass / (radius * modulus * modulus * speed), 0.2)

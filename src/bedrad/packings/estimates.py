@@ -1,101 +1,21 @@
-"""Sums over blocks along the axis, and the estimates and jackknife standard errors that follow from them."""
+"""The estimates that follow from the sums of one frame or many, and their standard errors."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bedrad.packings.layers import ROUNDING, layer_sums, whole_volumes
-from bedrad.packings.packing import Packing
-from bedrad.packings.wall_contacts import closing_distance, hexagonal_maximum, wall_gaps
-from bedrad.walls import Wall, Window
+from bedrad.packings.tally import Measure, Tally
+from bedrad.packings.time_averages import errors_of_mean
+from bedrad.packings.wall_contacts import closing_distance, hexagonal_maximum
 
-__all__ = ["Estimates", "Measure", "Tally", "blocks_of", "estimates_with_errors", "tally"]
+__all__ = ["Estimates", "estimates_over_frames", "estimates_with_errors"]
 
 FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 Estimates = dict[str, FloatArray]
-
-
-@dataclass(frozen=True)
-class Measure:
-    """What is measured; `radius` is the mean radius, `chosen` where `tolerances` has the contact gap."""
-
-    wall: Wall
-    window: Window
-    radius: float
-    edges: FloatArray
-    profile_edges: FloatArray
-    tolerances: FloatArray
-    chosen: int
-
-
-@dataclass(frozen=True)
-class Tally:
-    """Sums by block.
-
-    Solid volumes `layers` (blocks, layers) and `profile` (blocks, bins), `contacts` (blocks, tolerances), and
-    `no_contact` (blocks, 4): for the particles without contact their number, the sums of their gaps, of their
-    volumes in the wall layer, and of the gaps times these volumes. `solid` (blocks,) is the volume in the
-    wall layer of the particles counted in a block, each whole: what their numbers are balanced against, as
-    the ends of a block cut volumes but not numbers.
-    """
-
-    layers: FloatArray
-    profile: FloatArray
-    contacts: FloatArray
-    no_contact: FloatArray
-    solid: FloatArray
-
-    def without(self, block: int | None) -> Tally:
-        """Totals over all blocks but one, or over all."""
-        kept = np.arange(len(self.layers)) != (-1 if block is None else block)
-        columns = (self.layers, self.profile, self.contacts, self.no_contact, self.solid)
-        return Tally(*(c[kept].sum(axis=0) for c in columns))
-
-
-def blocks_of(packing: Packing, window: Window, blocks: int) -> IntArray:
-    """Block that every sphere's centre lies in, -1 outside the window; the intervals are half open."""
-    offset, inside = _offsets(packing, packing.wall.axial, window.axial)
-    block = np.searchsorted(np.linspace(0.0, window.length, blocks + 1)[1:-1], offset, side="right")
-    if window.lateral is not None:
-        inside &= _offsets(packing, 1, window.lateral)[1]
-    return np.where(inside, block, -1).astype(np.int64)
-
-
-def _offsets(packing: Packing, axis: int, interval: tuple[float, float]) -> tuple[FloatArray, BoolArray]:
-    """Coordinates from the start of an interval, wrapped along a period, and which lie in the interval."""
-    offset = packing.centers[:, axis] - interval[0]
-    length, period = interval[1] - interval[0], packing.box[axis]
-    if period:
-        offset = np.mod(offset, period)
-        if length >= period * (1.0 - ROUNDING):
-            return offset, np.ones(len(offset), dtype=bool)
-    return offset, (offset >= 0.0) & (offset < length)
-
-
-def tally(packing: Packing, measure: Measure, block: IntArray, blocks: int) -> Tally:
-    """Sum by block what the estimates need; `block` is where every sphere's centre lies."""
-    gaps = wall_gaps(packing)
-    inside = block >= 0
-    contacts = [np.bincount(block[inside & (gaps <= g)], minlength=blocks) for g in measure.tolerances]
-    near = np.flatnonzero(inside & (packing.depths - packing.radii < measure.edges[1]))
-    volume = whole_volumes(packing.wall, packing.centers[near], packing.radii[near], measure.edges[:2])[:, 0]
-    solid: FloatArray = np.bincount(block[near], weights=volume, minlength=blocks).astype(float)
-    apart = gaps[near] > measure.tolerances[measure.chosen]
-    nc, gap, volume = block[near][apart], gaps[near][apart], volume[apart]
-    columns = (np.ones(len(nc)), gap, volume, gap * volume)
-    return Tally(
-        layers=layer_sums(packing, measure.edges, measure.window, blocks),
-        profile=layer_sums(packing, measure.profile_edges, measure.window, blocks),
-        contacts=np.stack(contacts, axis=1).astype(float),
-        no_contact=np.stack([np.bincount(nc, weights=c, minlength=blocks) for c in columns], axis=1),
-        solid=solid,
-    )
 
 
 def estimates_with_errors(measure: Measure, sums: Tally) -> tuple[Estimates, Estimates]:
@@ -105,11 +25,12 @@ def estimates_with_errors(measure: Measure, sums: Tally) -> tuple[Estimates, Est
     root of their number, and it holds as well for ratios and for the closing distance. With one block the
     errors are nan.
     """
-    blocks = len(sums.layers)
-    values = _estimates(measure, sums.without(None), 1.0)
+    blocks = sums.blocks
+    values = _Estimator(measure).estimates(sums.without(None), 1.0)
     if blocks == 1:
         return values, {name: _frozen(np.full_like(value, math.nan)) for name, value in values.items()}
-    left = [_estimates(measure, sums.without(j), (blocks - 1) / blocks) for j in range(blocks)]
+    estimator = _Estimator(measure)
+    left = [estimator.estimates(sums.without(j), (blocks - 1) / blocks) for j in range(blocks)]
     errors = {}
     for name in values:
         replicates = np.array([estimates[name] for estimates in left])
@@ -117,40 +38,97 @@ def estimates_with_errors(measure: Measure, sums: Tally) -> tuple[Estimates, Est
     return values, errors
 
 
-def _estimates(measure: Measure, totals: Tally, share: float) -> Estimates:
-    """All estimates, from totals over a share of the window."""
-    area = share * measure.wall.area(measure.window)
-    per_area = totals.contacts / area
-    number, gaps, volumes, weighted = totals.no_contact
-    touching = totals.contacts[measure.chosen]
-    closing = closing_distance(
-        measure.wall,
-        measure.radius,
-        float(measure.edges[1]),
-        float(totals.solid) / area,
-        float(touching) / area,
-        float(number) / area,
-    )
-    estimates = {
-        "packing_fractions": totals.layers / (share * _layer_volumes(measure, measure.edges)),
-        "profile": totals.profile / (share * _layer_volumes(measure, measure.profile_edges)),
-        "contacts_per_area_by_gap": per_area,
-        "contact_ratio_by_gap": per_area / hexagonal_maximum(measure.wall, measure.radius),
-        "nc_share": _ratio(number, number + touching),
-        "nc_distance": _ratio(gaps, number),
-        "nc_distance_weighted": _ratio(weighted, volumes),
-        "nc_distance_closing": np.asarray(closing),
-    }
-    return {name: _frozen(value) for name, value in estimates.items()}
+def estimates_over_frames(measure: Measure, frames: Sequence[Tally]) -> tuple[Estimates, Estimates, Estimates]:
+    """Estimates from the sums over all frames, their standard errors, and the number of independent structures.
+
+    Every block of every frame is left out in turn, which gives what it alone says of each estimate (its
+    pseudo-value); `time_averages.errors_of_mean` makes the errors from these.
+    """
+    estimator = _Estimator(measure)
+    whole = frames[0]
+    for frame in frames[1:]:
+        whole = whole.each(np.add, frame)
+    total = whole.without(None)
+    values = estimator.estimates(total, float(len(frames)))
+    blocks = whole.blocks
+    if blocks == 1 and len(frames) == 1:
+        nothing = {name: np.full_like(value, math.nan) for name, value in values.items()}
+        return values, nothing, nothing
+    cells = len(frames) * blocks
+    flat = _flat(values)
+    pseudo = np.empty((len(frames), blocks, len(flat)))
+    share = len(frames) - 1.0 / blocks
+    for t, frame in enumerate(frames):
+        for b in range(blocks):
+            left = estimator.estimates(total.each(lambda all_, one, b=b: all_ - one[b], frame), share)
+            pseudo[t, b] = cells * flat - (cells - 1) * _flat(left)
+    errors, structures = errors_of_mean(pseudo)
+    return values, _shaped(errors, values), _shaped(structures, values)
 
 
-def _layer_volumes(measure: Measure, edges: FloatArray) -> FloatArray:
-    pairs = zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True)
-    return np.array([measure.wall.layer_volume(inner, outer, measure.window) for inner, outer in pairs])
+def _flat(estimates: Estimates) -> FloatArray:
+    return np.concatenate([value.ravel() for value in estimates.values()])
 
 
-def _ratio(part: float, whole: float) -> FloatArray:
-    return np.asarray(part / whole if whole > 0.0 else math.nan)
+def _shaped(flat: FloatArray, like: Estimates) -> Estimates:
+    parts = np.split(flat, np.cumsum([value.size for value in like.values()])[:-1])
+    return {name: _frozen(part.reshape(value.shape)) for (name, value), part in zip(like.items(), parts, strict=True)}
+
+
+class _Estimator:
+    """Estimates from totals; keeps the volumes that all of them need."""
+
+    def __init__(self, measure: Measure) -> None:
+        self.measure = measure
+        self.area = measure.wall.area(measure.window)
+        self.layers = measure.volumes(measure.edges)
+        self.profile = measure.volumes(measure.profile_edges)
+        self.centres = measure.volumes(measure.centre_edges)
+        self.widths = np.diff(measure.gap_edges)
+
+    def estimates(self, totals: Tally, share: float) -> Estimates:
+        """All estimates, from totals over a share of the window, which is above 1 for several frames."""
+        per_area = totals.wall_contacts / (share * self.area)
+        number, gaps, volumes, weighted = totals.no_contact
+        spheres = totals.spheres
+        estimates = {
+            "packing_fractions": totals.layers / (share * self.layers),
+            "profile": totals.profile / (share * self.profile),
+            "contacts_per_area_by_gap": per_area,
+            "contact_ratio_by_gap": per_area / hexagonal_maximum(self.measure.wall, self.measure.radius),
+            "nc_share_by_gap": _ratio(totals.apart, totals.apart + totals.wall_contacts),
+            "nc_distance": _ratio(gaps, number),
+            "nc_distance_weighted": _ratio(weighted, volumes),
+            "nc_distance_closing": self._closing(totals, share),
+            "nc_gap_density": _ratio(totals.nc_gaps[:-1], number * self.widths),
+            "nc_gap_beyond": _ratio(totals.nc_gaps[-1], number),
+            "centre_density": totals.centres / (share * self.centres),
+            "contact_density": totals.contact_points / (share * self.centres),
+            "coordination_by_gap": _ratio(totals.contacts, spheres[:, None]),
+            "contact_number_shares": _ratio(totals.numbers, spheres.sum()),
+            "rattler_share": _ratio(totals.rattlers, spheres.sum()),
+            "hexagonal_order": _ratio(totals.order[1], totals.order[0]),
+            "wall_neighbours": _ratio(totals.order[2], totals.order[0]),
+        }
+        return {name: _frozen(value) for name, value in estimates.items()}
+
+    def _closing(self, totals: Tally, share: float) -> FloatArray:
+        area = share * self.area
+        closing = closing_distance(
+            self.measure.wall,
+            self.measure.radius,
+            float(self.measure.edges[1]),
+            float(totals.solid) / area,
+            float(totals.wall_contacts[self.measure.chosen]) / area,
+            float(totals.no_contact[0]) / area,
+        )
+        return np.asarray(closing)
+
+
+def _ratio(part: FloatArray | float, whole: FloatArray | float) -> FloatArray:
+    """Quotient, nan where there is nothing to divide by."""
+    of = np.asarray(whole, dtype=float)
+    return np.asarray(np.divide(part, np.where(of > 0.0, of, math.nan)))
 
 
 def _frozen(array: FloatArray) -> FloatArray:

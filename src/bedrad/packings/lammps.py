@@ -155,6 +155,8 @@ def run_lammps(
         raise ValueError(f"ranks is {ranks!r}; expected a positive integer")
     program = find_lammps() if executable is None else Path(executable).absolute()
     (folder / SCRIPT).write_text(script, encoding="utf-8")
+    # the log of an earlier run in this folder would be read as that of this one
+    (folder / LOG).unlink(missing_ok=True)
     command = [str(program), "-in", SCRIPT, "-log", LOG, "-screen", "none"]
     if ranks > 1:
         command = [str(_find_mpiexec()), "-n", str(ranks), *command]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +16,18 @@ __all__ = ["Overlap", "overlap_facts", "pair_overlaps", "worst_overlap"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+_CHUNK = 1 << 12
+"""Spheres whose neighbours are looked for at once."""
+
+_LARGEST_SEARCH = 1 << 20
+"""Pairs within reach that a search may give; what gives more is searched in halves."""
+
+_CROWD = 32
+"""Points that share a cube as wide as the reach, up to which a chunk cannot give more."""
+
+_CROWDED = 100
+"""Pairs within reach for each sphere above which they cannot be the spheres of a packing."""
 
 
 @dataclass(frozen=True)
@@ -45,40 +59,47 @@ def pair_overlaps(
     Returns
     -------
     first, second : (m,) arrays
-        Sphere numbers of each pair, the smaller one first.
+        Sphere numbers of each pair, the smaller one first, in ascending order.
     depth : (m,) array
         Sum of the radii minus the distance of the centres, positive. [m]
     """
-    octave = np.floor(np.log2(radii / radii.min())).astype(np.int64) if len(radii) else np.empty(0, np.int64)
-    members = [np.flatnonzero(octave == k) for k in np.unique(octave)]
-    trees = [cKDTree(centers[m], boxsize=box if any(box) else None) for m in members]
-    firsts, seconds, depths = [], [], []
-    for a, (tree_a, in_a) in enumerate(zip(trees, members, strict=True)):
-        for b in range(a, len(trees)):
-            in_b = members[b]
-            reach = float(radii[in_a].max() + radii[in_b].max())
-            found = tree_a.sparse_distance_matrix(trees[b], reach, output_type="ndarray")
-            first, second = in_a[found["i"]], in_b[found["j"]]
-            depth = radii[first] + radii[second] - found["v"]
-            keep = (depth > 0.0) & (first != second) & ((b != a) | (first < second))
-            firsts.append(np.minimum(first, second)[keep])
-            seconds.append(np.maximum(first, second)[keep])
-            depths.append(depth[keep])
-    if not firsts:
-        return np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0)
-    return np.concatenate(firsts), np.concatenate(seconds), np.concatenate(depths)
+    parts = [(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))]
+    parts += [(found.first, found.second, found.depth) for found in _searched(centers, radii, box)]
+    first, second, depth = (np.concatenate(part) for part in zip(*parts, strict=True))
+    order = np.lexsort((second, first))
+    return first[order], second[order], depth[order]
 
 
 def worst_overlap(
-    centers: FloatArray, radii: FloatArray, box: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    centers: FloatArray,
+    radii: FloatArray,
+    box: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    enough: float = math.inf,
 ) -> Overlap | None:
-    """The deepest overlap in units of the smaller radius of its pair, or None where no spheres overlap."""
-    first, second, depth = pair_overlaps(centers, radii, box)
-    if not len(depth):
-        return None
-    share = depth / np.minimum(radii[first], radii[second])
-    worst = int(np.argmax(share))
-    return Overlap(int(first[worst]), int(second[worst]), float(share[worst]))
+    """The deepest overlap in units of the smaller radius of its pair, or None where no spheres overlap.
+
+    Parameters
+    ----------
+    centers, radii, box
+        The spheres, as for `pair_overlaps`.
+    enough : float
+        An overlap deeper than this ends the search where spheres crowd as they cannot in a packing, as the search
+        would take the square of their number.
+    """
+    worst: Overlap | None = None
+    seen = 0
+    for found in _searched(centers, radii, box):
+        seen += found.seen
+        if len(found.depth):
+            share = found.depth / np.minimum(radii[found.first], radii[found.second])
+            # of overlaps that are alike, the one of the first spheres
+            best = int(np.lexsort((found.second, found.first, -share))[0])
+            deep = Overlap(int(found.first[best]), int(found.second[best]), float(share[best]))
+            if worst is None or (-deep.share, deep.first, deep.second) < (-worst.share, worst.first, worst.second):
+                worst = deep
+        if worst is not None and worst.share > enough and seen > _CROWDED * len(radii):
+            break
+    return worst
 
 
 def overlap_facts(centers: FloatArray, radii: FloatArray, wall: Wall) -> dict[str, str | float | int]:
@@ -93,3 +114,67 @@ def overlap_facts(centers: FloatArray, radii: FloatArray, wall: Wall) -> dict[st
         "mean_wall_overlap_d": float(beyond.mean()) / mean if len(beyond) else 0.0,
         "largest_wall_overlap_d": float(beyond.max(initial=0.0)) / mean,
     }
+
+
+@dataclass(frozen=True)
+class _Found:
+    """What one search gives: the pairs that overlap, and how many were within reach."""
+
+    first: IntArray
+    second: IntArray
+    depth: FloatArray
+    seen: int
+
+
+def _searched(centers: FloatArray, radii: FloatArray, box: tuple[float, float, float]) -> Iterator[_Found]:
+    """Search for overlaps chunk by chunk, each pair in one of them, with bounded memory."""
+    octave = np.floor(np.log2(radii / radii.min())).astype(np.int64) if len(radii) else np.empty(0, np.int64)
+    members = [np.flatnonzero(octave == k) for k in np.unique(octave)]
+    for a, in_a in enumerate(members):
+        points = centers[in_a]
+        tree = _tree(points, box)
+        for b in range(a, len(members)):
+            in_b = members[b]
+            reach = float(radii[in_a].max() + radii[in_b].max())
+            other = tree if b == a else _tree(centers[in_b], box)
+            crowded = _largest_crowd(other.data, reach) > _CROWD
+            # in the order of the tree neighbours lie together, so that a chunk meets few branches
+            for start in range(0, len(in_a), _CHUNK):
+                chunk = tree.indices[start : start + _CHUNK]
+                for part, found in _within(points, chunk, other, reach, box, crowded):
+                    first, second = in_a[part[found["i"]]], in_b[found["j"]]
+                    depth = radii[first] + radii[second] - found["v"]
+                    keep = (depth > 0.0) & (first != second) & ((b != a) | (first < second))
+                    first, second = first[keep], second[keep]
+                    yield _Found(np.minimum(first, second), np.maximum(first, second), depth[keep], len(found))
+
+
+def _within(
+    centers: FloatArray,
+    chunk: IntArray,
+    other: cKDTree,
+    reach: float,
+    box: tuple[float, float, float],
+    crowded: bool,
+) -> Iterator[tuple[IntArray, NDArray[np.void]]]:
+    """Pairs within reach of a chunk of points and those of a tree, in halves where there are too many."""
+    tree = _tree(centers[chunk], box)
+    # counting takes as long as searching, so it is done only where it may matter
+    if crowded and len(chunk) > 1 and tree.count_neighbors(other, reach) > _LARGEST_SEARCH:
+        half = len(chunk) // 2
+        yield from _within(centers, chunk[:half], other, reach, box, crowded)
+        yield from _within(centers, chunk[half:], other, reach, box, crowded)
+    else:
+        yield chunk, tree.sparse_distance_matrix(other, reach, output_type="ndarray")
+
+
+def _tree(points: FloatArray, box: tuple[float, float, float]) -> cKDTree:
+    return cKDTree(points, boxsize=box if any(box) else None)
+
+
+def _largest_crowd(points: FloatArray, reach: float) -> int:
+    """The most points that share a cube as wide as the reach."""
+    # further out than 2^20 cubes they share the last one, which only makes the crowd larger
+    cells = np.minimum((points - points.min(axis=0)) / reach, 2.0**20).astype(np.int64)
+    keys = (cells[:, 0] << 42) | (cells[:, 1] << 21) | cells[:, 2]
+    return int(np.unique(keys, return_counts=True)[1].max())

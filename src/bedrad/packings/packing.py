@@ -249,7 +249,7 @@ def _check_wall(c: FloatArray, r: FloatArray, wall: Wall, max_overlap: float) ->
 
 
 def _check_pairs(c: FloatArray, r: FloatArray, box: tuple[float, float, float], max_overlap: float) -> None:
-    worst = worst_overlap(c, r, box)
+    worst = worst_overlap(c, r, box, enough=max_overlap)
     if worst is None or worst.share <= max_overlap:
         return
     i, j = worst.first, worst.second

@@ -40,9 +40,10 @@ class Column:
     diameters: FloatArray
     height: float
 
-    def data_file(self, density: float, margin: float) -> str:
-        """Text of a LAMMPS data file (atom style sphere) whose box leaves a margin around the column. [m]."""
+    def data_file(self, density: float, margin: float, period: float | None = None) -> str:
+        """Text of a LAMMPS data file (atom style sphere), its box a margin [m] around the column, or a period high."""
         reach = float(np.hypot(self.centers[:, 0], self.centers[:, 1]).max(initial=0.0)) + margin
+        low, high = (-margin, self.height + margin) if period is None else (0.0, period)
         lines = [
             "loose column of spheres",
             "",
@@ -50,7 +51,7 @@ class Column:
             "1 atom types",
             f"{-reach!r} {reach!r} xlo xhi",
             f"{-reach!r} {reach!r} ylo yhi",
-            f"{-margin!r} {self.height + margin!r} zlo zhi",
+            f"{low!r} {high!r} zlo zhi",
             "",
             "Atoms # sphere",
             "",

@@ -11,8 +11,8 @@ from rich.text import Text
 
 from bedrad.raytrace.engine_comparison import EngineComparison
 from bedrad.raytrace.engine_errors import EngineRuns
+from bedrad.report.csv_tables import Table, write_table
 from bedrad.report.records import with_error
-from bedrad.report.tables import Table, write_table
 from bedrad.report.terminal import add_row, new_table
 
 __all__ = ["comparison_summary", "write_comparison_tables"]

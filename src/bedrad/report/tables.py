@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -10,15 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from bedrad.atomic import atomic_path
-from bedrad.jobs.fields import CONVERGENCE, PREDICTION, STATISTICS, SYSTEM, WALL_LAYER, Field
+from bedrad.jobs.fields import CONVERGENCE, PREDICTION, SYSTEM, WALL_LAYER
 from bedrad.jobs.results import Results, StageData
+from bedrad.report.csv_tables import Table, heading, write_table
 from bedrad.report.records import Record, cases, celsius, load, radiation_gain, stated, targets
+from bedrad.report.statistics_tables import statistics_tables
 
-__all__ = ["Table", "write_table", "write_tables"]
-
-Table = dict[str, list[Any]]
-"""Names of columns, units included, to their values."""
+__all__ = ["write_tables"]
 
 
 def write_tables(results: Results, folder: Path) -> list[Path]:
@@ -64,54 +61,16 @@ def _tables(record: Record) -> dict[str, Table]:
     if "view_factors" in stages:
         tables["view_factors"] = _view_factors(stages["view_factors"])
     if "statistics" in stages:
-        data = stages["statistics"]
-        tables |= {
-            "statistics": _statistics(data),
-            "layers": _layers(data),
-            "contacts": _contacts(data),
-            "profile": _profile(data),
-        }
+        tables |= statistics_tables(stages["statistics"])
     if "convergence" in stages:
         data = stages["convergence"]
         tables |= {"convergence": _convergence(data), "convergence_rates": _convergence_rates(data)}
     return tables
 
 
-def write_table(path: Path, table: Table) -> None:
-    """Write one table as CSV, whole or not at all; OSError if it cannot be written."""
-    with atomic_path(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(table)
-        writer.writerows([_cell(value) for value in row] for row in zip(*table.values(), strict=True))
-
-
-def _cell(value: Any) -> str:
-    """Shortest text that reads back as the same number; empty for none."""
-    if value is None:
-        return ""
-    if isinstance(value, (float, np.floating)):
-        return "" if math.isnan(value) else repr(float(value))
-    return str(value)
-
-
-_RADII = ("nc_distance", "nc_distance_weighted", "nc_distance_closing", "contact_gap", "gap_tolerances")
-"""Numbers without unit in the results file that are lengths in particle radii."""
-
-_WORDS = {"_": " ", "nusselt": "Nusselt number", "without": "without radiation", "nc ": "no-contact "}
-
-
-def _heading(name: str, fields: Mapping[str, Field]) -> str:
-    """Name of a column for a field of the results file, with its unit."""
-    field = name.removesuffix("_error")
-    words = name
-    for short, long in _WORDS.items():
-        words = words.replace(short, long)
-    return f"{words} [{'particle radii' if field in _RADII else fields[field][0]}]"
-
-
 def _extend(table: Table, columns: Iterable[tuple[str, Iterable[Any]]]) -> None:
-    for heading, values in columns:
-        table.setdefault(heading, []).extend(values)
+    for title, values in columns:
+        table.setdefault(title, []).extend(values)
 
 
 _AGAINST_TEMPERATURE = (
@@ -144,13 +103,13 @@ def _prediction(found: Mapping[str, StageData]) -> Table:
             ("case", [key] * n),
             ("title", [case["title"]] * n),
             ("bulk model", [case["bulk_model"]] * n),
-            *((_heading(name, SYSTEM), [case[name]] * n) for name in SYSTEM),
-            (_heading("wall_temperature", PREDICTION), T),
+            *((heading(name, SYSTEM), [case[name]] * n) for name in SYSTEM),
+            (heading("wall_temperature", PREDICTION), T),
             ("wall temperature [degC]", celsius(T)),
         ]
         for name in _AGAINST_TEMPERATURE:
             values = np.atleast_1d(case[name])
-            columns.append((_heading(name, PREDICTION), stated(values) if name.endswith("_error") else values))
+            columns.append((heading(name, PREDICTION), stated(values) if name.endswith("_error") else values))
         columns.append(("radiation gain [1]", np.atleast_1d(radiation_gain(case))))
         _extend(table, columns)
     return table
@@ -163,8 +122,8 @@ def _prediction_inputs(found: Mapping[str, StageData]) -> Table:
     for key, case in found.items():
         columns: list[tuple[str, Iterable[Any]]] = [("case", [key]), ("title", [case["title"]])]
         for name in WALL_LAYER:
-            columns.append((_heading(name, WALL_LAYER), [case[name]]))
-            columns.append((_heading(f"{name}_error", WALL_LAYER), [float(stated(case[f"{name}_error"]))]))
+            columns.append((heading(name, WALL_LAYER), [case[name]]))
+            columns.append((heading(f"{name}_error", WALL_LAYER), [float(stated(case[f"{name}_error"]))]))
         for k in range(layers):
             factor, error = (
                 float(case[name][k]) if k < len(case[name]) else math.nan
@@ -194,71 +153,21 @@ def _view_factors(data: StageData) -> Table:
     """Every target a row, and the sums in the last."""
     rows = list(targets(data))
     table: Table = {}
-    for name, heading in _VIEW_FACTOR_COLUMNS.items():
+    for name, title in _VIEW_FACTOR_COLUMNS.items():
         column = [getattr(row, name) for row in rows]
         total: Any = math.nan
         if name == "name":
             total = "sum"
         elif name in ("factor", "watkins", "published") and not np.isnan(column).all():
             total = math.fsum(value for value in column if not math.isnan(value))
-        table[heading] = [*column, total]
+        table[title] = [*column, total]
     return table
-
-
-_WALL_LAYER_STATISTICS = (
-    "packing_fraction",
-    "contacts_per_area",
-    "contact_ratio",
-    "nc_share",
-    "nc_distance",
-    "nc_distance_weighted",
-    "nc_distance_closing",
-)
-
-_COUNTS = ("contact_gap", "mean_diameter", "spheres", "contacts", "no_contacts", "overlap_share", "seconds")
-
-
-def _statistics(data: StageData) -> Table:
-    """The wall layer in one row."""
-    names = [f"{name}{suffix}" for name in _WALL_LAYER_STATISTICS for suffix in ("", "_error")]
-    return {_heading(name, STATISTICS): [data[name]] for name in (*names, *_COUNTS)}
-
-
-def _layers(data: StageData) -> Table:
-    edges = data["edges"]
-    return {
-        "layer": list(range(1, len(edges))),
-        "depth from [m]": list(edges[:-1]),
-        "depth to [m]": list(edges[1:]),
-        "solid fraction [1]": list(data["packing_fractions"]),
-        "solid fraction error [1]": list(data["packing_fractions_error"]),
-    }
-
-
-def _contacts(data: StageData) -> Table:
-    table: Table = {"gap tolerance [particle radii]": list(data["gap_tolerances"])}
-    for name in ("contacts_per_area", "contact_ratio"):
-        for suffix in ("", "_error"):
-            table[_heading(f"{name}{suffix}", STATISTICS)] = list(data[f"{name}_by_gap{suffix}"])
-    return table
-
-
-def _profile(data: StageData) -> Table:
-    depths, radius = data["profile_depths"], 0.5 * data["mean_diameter"]
-    middle = 0.5 * (depths[:-1] + depths[1:])
-    return {
-        "depth from [m]": list(depths[:-1]),
-        "depth to [m]": list(depths[1:]),
-        "mean depth [particle radii]": list(middle / radius),
-        "solid fraction [1]": list(data["profile"]),
-        "solid fraction error [1]": list(data["profile_error"]),
-    }
 
 
 def _convergence(data: StageData) -> Table:
     """Every number of rays a row."""
     table: Table = {
-        _heading("rays", CONVERGENCE): list(data["rays"]),
+        heading("rays", CONVERGENCE): list(data["rays"]),
         "run time [s]": list(data["seconds"]),
     }
     for kind in ("true_error", "stated_error"):
@@ -277,5 +186,5 @@ def _convergence_rates(data: StageData) -> Table:
         "reference view factor [1]": list(data["reference"]),
         "reference view factor error [1]": list(data["reference_error"]),
         "reference rays [1]": [data["reference_rays"]] * n,
-        _heading("seeds", CONVERGENCE): [data["seeds"]] * n,
+        heading("seeds", CONVERGENCE): [data["seeds"]] * n,
     }

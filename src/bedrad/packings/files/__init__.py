@@ -2,26 +2,36 @@
 
 from __future__ import annotations
 
-import math
 import os
-import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-
-import numpy as np
-from numpy.typing import NDArray
 
 from bedrad.atomic import atomic_path
 from bedrad.errors import BadFileError
-from bedrad.packings.files.contents import Contents
 from bedrad.packings.files.csv_table import looks_like_csv, read_csv, write_csv
-from bedrad.packings.files.format import Format, single
+from bedrad.packings.files.edem_hdf5 import is_edem, iterate_edem, read_edem
+from bedrad.packings.files.extended_xyz import iterate_xyz, looks_like_xyz, read_xyz, write_xyz
+from bedrad.packings.files.format import COLUMN_NAMES, Columns, Format, sharing, single
 from bedrad.packings.files.hdf5 import load_packing, looks_like_hdf5, read_hdf5, save_packing, write_hdf5
+from bedrad.packings.files.lammps_data import looks_like_lammps_data, read_lammps_data, write_lammps_data
 from bedrad.packings.files.lammps_dump import iterate_dump, looks_like_dump, read_dump
+from bedrad.packings.files.mercury_data import iterate_mercury_data, looks_like_mercury_data, read_mercury_data
+from bedrad.packings.files.mercury_restart import looks_like_mercury_restart, read_mercury_restart
+from bedrad.packings.files.mfix_input import looks_like_mfix, read_mfix
+from bedrad.packings.files.npz import looks_like_npz, read_npz
+from bedrad.packings.files.point_table import looks_like_points, read_points
+from bedrad.packings.files.reading import Axis, Options, Period, as_packing
+from bedrad.packings.files.sources import Source, source_files
 from bedrad.packings.files.text import first_bytes
-from bedrad.packings.packing import LARGEST_OVERLAP, Packing
-from bedrad.packings.wall_fit import fit_tube
-from bedrad.walls import Tube, Wall
+from bedrad.packings.files.units import metres
+from bedrad.packings.files.vtk_legacy import looks_like_vtk_legacy, read_vtk_legacy
+from bedrad.packings.files.vtk_xml import iterate_vtk_xml, looks_like_vtk_xml, read_vtk_xml
+from bedrad.packings.files.vtp_writer import write_vtp
+from bedrad.packings.files.yade_text import looks_like_yade, read_yade, write_yade
+from bedrad.packings.packing import Packing
+from bedrad.packings.wall_fit import WALL_KINDS, WallKind
+from bedrad.packings.wall_stl import WallSurface, read_wall_stl
+from bedrad.walls import Wall
 
 __all__ = ["FORMATS", "Format", "load_packing", "read", "read_frames", "save_packing", "write"]
 
@@ -30,22 +40,42 @@ PathLike = str | os.PathLike[str]
 _PICKLE_STARTS = tuple(bytes((0x80, protocol)) for protocol in range(2, 6))
 
 
+_EDEM = Format("EDEM deck", (".dem",), looks_like_hdf5, read_edem, iterate_edem)
+
 FORMATS = (
-    single("bedrad HDF5", (".h5", ".hdf5"), looks_like_hdf5, read_hdf5, write_hdf5),
+    sharing(single("bedrad HDF5", (".h5", ".hdf5"), looks_like_hdf5, read_hdf5, write_hdf5), _EDEM, is_edem),
+    _EDEM,
     Format("LAMMPS dump", (".dump", ".lammpstrj", ".liggghts"), looks_like_dump, read_dump, iterate_dump),
-    single("CSV", (".csv",), looks_like_csv, read_csv, write_csv),
+    single("MercuryDPM restart", (".restart",), looks_like_mercury_restart, read_mercury_restart),
+    Format("MercuryDPM data", (".data",), looks_like_mercury_data, read_mercury_data, iterate_mercury_data),
+    single("MFiX particles", (".dat",), looks_like_mfix, read_mfix),
+    Format("VTK PolyData", (".vtp",), looks_like_vtk_xml, read_vtk_xml, iterate_vtk_xml, write_vtp),
+    # the same readers, but what is written is PolyData
+    Format("VTK XML", (".vtu", ".pvtp", ".pvtu", ".pvd"), looks_like_vtk_xml, read_vtk_xml, iterate_vtk_xml),
+    single("VTK legacy", (".vtk",), looks_like_vtk_legacy, read_vtk_legacy),
+    single("CSV", (".csv",), looks_like_csv, read_csv, write_csv, takes_columns=True),
+    Format("xyz", (".xyz", ".extxyz"), looks_like_xyz, read_xyz, iterate_xyz, write_xyz),
+    single("YADE text", (".yade", ".spheres"), looks_like_yade, read_yade, write_yade),
+    single("LAMMPS data", (".lmp", ".lmpdat", ".lammps"), looks_like_lammps_data, read_lammps_data, write_lammps_data),
+    single("npz", (".npz",), looks_like_npz, read_npz),
+    single("table of points", (".txt", ".xyzr"), looks_like_points, read_points, takes_columns=True),
 )
 """The formats, in the order in which they are tried. A new one needs a module beside this one and a row."""
 
 
 def read(
     path: PathLike,
-    wall: Wall | None = None,
+    wall: Wall | PathLike | None = None,
     *,
     diameter: float | None = None,
-    period: float | tuple[float, float] | None = None,
+    period: Period | None = None,
     frame: int = -1,
     max_overlap: float | None = None,
+    unit: str | None = None,
+    columns: Mapping[str, str | int] | None = None,
+    axis: Axis | None = None,
+    origin: Sequence[float] | None = None,
+    wall_unit: str | None = None,
 ) -> Packing:
     """Read a packing from a file.
 
@@ -54,19 +84,33 @@ def read(
     Parameters
     ----------
     path : path
-        A bedrad HDF5 file (a packing or results), a CSV file with units in its header, or a LAMMPS or
-        LIGGGHTS text dump; the text formats also packed with gzip.
-    wall : Tube, Rod, Plate or None
-        The wall; None takes it from the file or, where the file names none, fits a tube around the z
-        direction to the outermost spheres, moves its axis to x = y = 0 and says so in the provenance.
+        A file of any format that `bedrad.packings.files.FORMATS` lists; the text formats also packed with gzip.
+    wall : Tube, Rod, Plate, "tube", "rod", "plate", path or None
+        The wall. A word has a wall of this kind fitted to the spheres nearest to it; the path of an STL file has a
+        cylinder or plane fitted to its triangles (extra `mesh`), and the spheres decide what it is to them. None takes
+        the wall from the file or, where the file names none, fits a tube. What is fitted is moved to where bedrad has
+        its walls (the axis to x = y = 0 along z, the plate to z = 0, below the bed) and said in the provenance, with
+        its residual.
     diameter : float, optional
         Sphere diameter, for files that hold positions only. [m]
     period : float or (float, float), optional
         Axial period; None takes it from the file, 0 means open ends whatever the file says. [m]
     frame : int
-        Which frame of a dump, counted from 0, or from the end if negative.
+        Which frame of a file that holds several, counted from 0, or from the end if negative.
     max_overlap : float, optional
         Overlap that is still accepted, in radii; None takes it from the file, or the default of `Packing`.
+    unit : str, optional
+        What the file's lengths are in (m, cm, mm, um, nm, in or ft), where it does not say so; else metres are assumed,
+        and that is said in the provenance. Lengths given here are metres in any case.
+    columns : mapping, optional
+        Where x, y, z and radius or diameter stand in a table: the name of a column, or its number from 1.
+    axis : "x", "y", "z" or (float, float, float), optional
+        Direction in the file of the axis of a tube or rod, or the normal of a plate into the bed. The spheres are
+        turned so that it is z; the file's periods go with them if it is x, y or z, and are left out otherwise.
+    origin : (float, float, float), optional
+        A point in the file that a given wall's axis, or the plate, passes through; it moves to 0, 0, 0. [m]
+    wall_unit : str, optional
+        What the lengths of an STL file are in; `unit` if not given, or metres.
 
     Returns
     -------
@@ -79,35 +123,63 @@ def read(
         If the file is missing, of no known format, damaged, or does not hold a valid packing; the message
         names the file and, for text, the line.
     ValueError
-        If `diameter` is not positive, or is given although the file has sphere sizes.
+        If `diameter` is not positive, or is given although the file has sphere sizes; if `unit` is given although the
+        file states it, `columns` although its columns are known, or `axis` or `origin` although the place of the wall
+        is.
+    MissingExtraError
+        If the wall is an STL file and the extra `mesh` is not installed.
     """
     source = Path(path)
-    held = _recognise(source).read(source, frame)
-    return _packing(source, held, wall, diameter, period, max_overlap)
+    options = Options(_wall(wall, unit, wall_unit), diameter, period, max_overlap, unit, axis, origin)
+    form = _recognise(source)
+    return as_packing(source, form.read(source, frame, *_columns(source, form, columns)), options)
 
 
 def read_frames(
-    path: PathLike,
-    wall: Wall | None = None,
+    path: Source,
+    wall: Wall | PathLike | None = None,
     *,
     diameter: float | None = None,
-    period: float | tuple[float, float] | None = None,
+    period: Period | None = None,
     max_overlap: float | None = None,
+    unit: str | None = None,
+    columns: Mapping[str, str | int] | None = None,
+    axis: Axis | None = None,
+    origin: Sequence[float] | None = None,
+    wall_unit: str | None = None,
 ) -> Iterator[Packing]:
-    """Yield the packings of all frames of a file, one after the other; parameters and errors as for `read`.
+    """Yield the packings of all frames, one after the other, with one in memory; other parameters as for `read`.
 
-    A wall that is not given is fitted to every frame by itself.
+    Parameters
+    ----------
+    path : path or iterable of paths
+        A file; a pattern such as ``"dump_*.vtk"``, or a folder of files of one kind, in the order of the numbers in
+        their names and without the bounding boxes that LIGGGHTS writes; or several files, in the order given.
+    wall : Tube, Rod, Plate, "tube", "rod", "plate", path or None
+        The wall, as for `read`; one that is fitted to the spheres is fitted to every frame by itself.
+
+    Raises
+    ------
+    BadFileError
+        If nothing matches a pattern, or a folder holds files of several kinds; else as for `read`.
     """
-    source = Path(path)
-    for held in _recognise(source).frames(source):
-        yield _packing(source, held, wall, diameter, period, max_overlap)
+    options = Options(_wall(wall, unit, wall_unit), diameter, period, max_overlap, unit, axis, origin)
+    suffixes = tuple(dict.fromkeys(suffix for form in FORMATS for suffix in form.suffixes))
+    return _packings(source_files(path, suffixes), columns, options)
+
+
+def _packings(paths: Sequence[Path], columns: Mapping[str, str | int] | None, options: Options) -> Iterator[Packing]:
+    for path in paths:
+        form = _recognise(path)
+        for held in form.frames(path, *_columns(path, form, columns)):
+            yield as_packing(path, held, options)
 
 
 def write(packing: Packing, path: PathLike) -> None:
-    """Write a packing to a file, in the format of the suffix: ``.h5``/``.hdf5`` or ``.csv``.
+    """Write a packing to a file, in the format of the suffix: any that `bedrad.packings.files.FORMATS` can write.
 
-    Both keep centres, radii, wall, period, overlap limit and provenance, and read back bit for bit. The file
-    appears whole or not at all.
+    bedrad's own formats keep centres, radii, wall, period, overlap limit and provenance, and read back bit for bit. The
+    file appears whole or not at all.
 
     Parameters
     ----------
@@ -149,65 +221,27 @@ def _recognise(path: Path) -> Format:
     raise BadFileError(f"{path}: {'an empty file' if not head else 'an unknown format'}; known are {known}")
 
 
-def _packing(
-    path: Path,
-    held: Contents,
-    wall: Wall | None,
-    diameter: float | None,
-    period: float | tuple[float, float] | None,
-    max_overlap: float | None,
-) -> Packing:
-    radii = _sizes(path, held, diameter)
-    provenance = dict(held.provenance)
-    centers = held.centers
-    chosen = wall if wall is not None else held.wall
-    try:
-        if chosen is None:
-            fit = fit_tube(centers, radii)
-            chosen = Tube(fit.radius)
-            centers = centers - [*fit.axis, 0.0]
-            provenance |= fit.notes()
-        limit = max_overlap if max_overlap is not None else held.max_overlap
-        return Packing(
-            centers,
-            radii,
-            chosen,
-            _period(held, chosen, period),
-            provenance,
-            LARGEST_OVERLAP if limit is None else limit,
-        )
-    except ValueError as error:
-        raise BadFileError(f"{path}: {error}{_origins(held, str(error))}") from error
+def _wall(
+    wall: Wall | PathLike | None, unit: str | None, wall_unit: str | None
+) -> Wall | WallSurface | WallKind | None:
+    """The wall, read if it is a file."""
+    if isinstance(wall, (str, os.PathLike)) and wall not in WALL_KINDS:
+        path = Path(wall)
+        if path.suffix.lower() != ".stl":
+            raise ValueError(
+                f"wall is {str(wall)!r}; expected a wall, {', '.join(map(repr, WALL_KINDS))} or an .stl file"
+            )
+        return read_wall_stl(path, metres(wall_unit or unit or "m"))
+    if wall_unit is not None:
+        raise ValueError(f"the unit of the wall is {wall_unit!r}, but the wall is no STL file")
+    return wall  # type: ignore[return-value]
 
 
-def _sizes(path: Path, held: Contents, diameter: float | None) -> NDArray[np.float64]:
-    if held.radii is None:
-        if diameter is None:
-            raise BadFileError(f"{path}: no column radius or diameter; give the diameter of the spheres")
-        if not (math.isfinite(diameter) and diameter > 0):
-            raise ValueError(f"diameter is {diameter!r}; expected a positive number of metres")
-        return np.full(len(held.centers), diameter / 2)
-    if diameter is not None:
-        raise ValueError(f"diameter {diameter!r} m was given, but {path} has the sizes of its spheres")
-    return held.radii
-
-
-def _period(
-    held: Contents, wall: Wall, given: float | tuple[float, float] | None
-) -> float | tuple[float, float] | None:
-    if given is not None:
-        return None if given == 0 else given
-    if held.wall is not None:
-        # a period along the wall means something else for another kind of wall
-        return held.period if held.wall.kind == wall.kind else None
-    lengths = [held.axis_periods[axis] for axis in wall.periodic_axes if axis in held.axis_periods]
-    if len(lengths) < len(wall.periodic_axes):
-        return None
-    return lengths[0] if len(lengths) == 1 else (lengths[0], lengths[1])
-
-
-def _origins(held: Contents, message: str) -> str:
-    """Where the spheres that a message of `Packing` names stand in the file."""
-    match = re.match(r"spheres? (\d+)(?: and (\d+))?", message)
-    places = [held.origin(int(number)) for number in match.groups() if number is not None] if match else []
-    return f" ({' and '.join(places)})" if any(places) else ""
+def _columns(path: Path, form: Format, columns: Mapping[str, str | int] | None) -> tuple[Columns, ...]:
+    """The argument that says which column is which, for the formats that take it."""
+    if columns and not form.takes_columns:
+        raise ValueError(f"columns were given, but {path} is a {form.name} file, whose columns are known")
+    unknown = [name for name in columns or () if name not in COLUMN_NAMES]
+    if unknown:
+        raise ValueError(f"columns name {unknown[0]!r}; expected {', '.join(COLUMN_NAMES)}")
+    return ({name: str(column) for name, column in (columns or {}).items()},) if form.takes_columns else ()

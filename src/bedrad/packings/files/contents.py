@@ -41,6 +41,9 @@ class Contents:
     states_unit : bool
         Whether the file says what its lengths are in, or its format does. They are metres then; if not, the user
         may say what they are, and metres are assumed.
+    no_unit : str
+        Where a file that does not say so should have, such as ``"line 1: column x has no unit"``: nothing is assumed
+        then, and the user has to say what the lengths are in.
     """
 
     centers: FloatArray
@@ -53,6 +56,7 @@ class Contents:
     lines: Sequence[int] | None = None
     ids: Sequence[int] | None = None
     states_unit: bool = False
+    no_unit: str = ""
 
     def origin(self, sphere: int) -> str:
         """Where a sphere stands in the file, as ``"line 12, id 7"``; empty where that is unknown."""

@@ -1,95 +1,82 @@
-"""Comma-separated spheres: a header with units, one sphere a row, bedrad's own facts in comment lines."""
+"""Tables of spheres with a separator: a header that names columns and units, one sphere a row, facts in comments."""
 
 from __future__ import annotations
 
-import json
-import re
-from collections.abc import Callable, Mapping
+import csv
+from array import array
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bedrad.errors import BadFileError
-from bedrad.packings.files.contents import Contents, describe_wall, make_wall, plain_value
-from bedrad.packings.files.text import numbers, open_text
+from bedrad.packings.files.byte_lines import ByteLines
+from bedrad.packings.files.contents import Contents
+from bedrad.packings.files.csv_header import EXPECTED, Column, find_columns, names_positions
+from bedrad.packings.files.facts import Facts, fact_comments
+from bedrad.packings.files.format import Columns
+from bedrad.packings.files.number_rows import ROWS_AT_ONCE, NumberRows
+from bedrad.packings.files.text import open_text
+from bedrad.packings.files.units import LENGTH_UNITS, metres
 from bedrad.packings.packing import Packing
-from bedrad.walls import Wall
 
 __all__ = ["looks_like_csv", "read_csv", "write_csv"]
 
-_UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6}
-_COLUMN = re.compile(r"(?P<name>[^\[\]()]+?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]")
-_FACT = re.compile(r"#\s*(?P<key>wall|period|max_overlap|provenance)\s*:\s*(?P<value>.*)")
-_WALL = re.compile(r"(?P<kind>\w+)(?:\s+radius\s*=\s*(?P<radius>\S+)\s+m)?")
-_EXPECTED = "a header such as 'x [m],y [m],z [m],radius [m]' (units m, mm or um; diameter in place of radius)"
+_SEPARATORS = ",;\t"
 
 
 def looks_like_csv(head: bytes) -> bool:
-    """Whether the first line that is no comment is a header with an x column and its unit."""
+    """Whether the first line that is no comment is a header with a column x, y or z."""
     for line in head.decode("utf-8-sig", errors="replace").splitlines():
         if line.strip() and not line.lstrip().startswith("#"):
-            return "," in line and any(_COLUMN.fullmatch(name) for name in _names(line))
+            separator = _separator(line)
+            return separator is not None and names_positions(_cells(line, separator))
     return False
 
 
-def read_csv(path: Path) -> Contents:
-    """Read spheres from a CSV file.
+def read_csv(path: Path, columns: Columns | None = None) -> Contents:
+    """Read spheres from a table with commas, semicolons or tabs between the fields.
 
-    The header names the columns and their units, in any order; columns other than x, y, z and radius (or
-    diameter) are passed over. Comment lines like ``# wall: tube radius=0.003875 m`` and ``# period: 0.02 m``
-    restore what `write_csv` wrote.
+    The header names the columns and their units, in any order and in many forms (``x [mm]``, ``Position[X] (m)``,
+    ``Particle X-Coordinate: (m)``); columns other than positions and radius (or diameter) are passed over. Comment
+    lines like ``# wall: tube radius=0.003875 m`` and ``# period: 0.02 m`` restore what `write_csv` wrote.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        The table, plain or gzip.
+    columns : mapping, optional
+        Columns of x, y, z, radius and diameter by their titles or their numbers from 1, where the titles do not tell;
+        with numbers there need not be a header.
 
     Raises
     ------
     BadFileError
         If the header, a row or a comment cannot be understood; the message names the line.
     """
-    facts: dict[str, tuple[int, str]] = {}
-    header: list[str] | None = None
-    columns: dict[str, tuple[int, float]] = {}
-    rows: list[list[str]] = []
-    lines: list[int] = []
+    facts = Facts(path)
     with open_text(path) as stream:
-        for number, line in enumerate(stream, start=1):
-            if not line.strip():
-                continue
-            if line.lstrip().startswith("#"):
-                if fact := _FACT.fullmatch(line.strip()):
-                    facts[fact["key"]] = (number, fact["value"])
-            elif header is None:
-                header = _names(line)
-                columns = _columns(path, number, header)
-            else:
-                cells = _names(line)
-                if len(cells) != len(header):
-                    raise BadFileError(
-                        f"{path}, line {number}: {len(cells)} fields; the header names {len(header)} columns"
-                    )
-                rows.append([cells[place] for place, _ in columns.values()])
-                lines.append(number)
-    if header is None:
-        raise BadFileError(f"{path}: no header; expected {_EXPECTED}")
+        lines = ByteLines(path, stream)
+        table = _header(lines, facts, columns or {})
+        values, numbered = _rows(lines, facts, table)
     # column by column in metres: a unit of m multiplies by one, and changes no bit
-    values = numbers(path, rows, list(columns), lines) * np.array([unit for _, unit in columns.values()])
-    found = dict(zip(columns, values.T, strict=True))
-    radii = found["radius"] if "radius" in found else found["diameter"] / 2 if "diameter" in found else None
+    found = {name: values[:, place] * table.metre(name) for place, name in enumerate(table.columns)}
+    del values
+    size = found["radius"] if "radius" in found else found["diameter"] / 2 if "diameter" in found else None
     return Contents(
         centers=np.stack([found["x"], found["y"], found["z"]], axis=1),
-        radii=radii,
-        lines=lines,
-        **_facts(path, facts),  # type: ignore[arg-type]
+        radii=size,
+        lines=array("q", numbered.tobytes()),
+        states_unit=not table.no_unit,
+        no_unit=table.no_unit,
+        **facts.understood({"file": path.name, "format": "CSV"}),  # type: ignore[arg-type]
     )
 
 
 def write_csv(packing: Packing, path: Path) -> None:
     """Write a packing as CSV, overwriting `path`; `read_csv` gives it back bit for bit."""
-    kind, radius = describe_wall(packing.wall)
-    notes = {key: plain_value(key, value) for key, value in packing.provenance.items()}
-    head = [f"# wall: {kind}" + ("" if radius is None else f" radius={radius!r} m")]
-    if packing.period is not None:
-        head.append(f"# period: {' '.join(repr(float(v)) for v in np.atleast_1d(packing.period))} m")
-    head += [f"# max_overlap: {packing.max_overlap!r}", f"# provenance: {json.dumps(notes)}"]
-    head.append("x [m],y [m],z [m],radius [m]")
+    head = [*fact_comments(packing), "x [m],y [m],z [m],radius [m]"]
     with path.open("w", encoding="utf-8", newline="\n") as stream:
         stream.writelines(f"{line}\n" for line in head)
         # repr of a Python float is the shortest text that reads back as the same number
@@ -97,70 +84,101 @@ def write_csv(packing: Packing, path: Path) -> None:
             stream.write(f"{x!r},{y!r},{z!r},{r!r}\n")
 
 
-def _names(line: str) -> list[str]:
-    return [cell.strip().strip('"').strip() for cell in line.split(",")]
+@dataclass(frozen=True)
+class _Table:
+    """What the header says."""
+
+    separator: str
+    width: int
+    columns: dict[str, Column]
+    no_unit: str
+    first_row: bytes | None
+
+    def metre(self, name: str) -> float:
+        """Metres in the unit of a column; 1 where there is none."""
+        unit = self.columns[name].unit
+        return 1.0 if unit is None else metres(unit)
 
 
-def _columns(path: Path, line: int, header: list[str]) -> dict[str, tuple[int, float]]:
-    """Place and unit of the columns that are wanted."""
-    found: dict[str, tuple[int, float]] = {}
-    for place, text in enumerate(header):
-        match = _COLUMN.fullmatch(text)
-        name = (match["name"] if match else text).lower()
-        if name not in ("x", "y", "z", "radius", "diameter"):
-            continue
-        unit = match["unit"].strip() if match else None
-        if unit not in _UNITS:
-            said = "has no unit" if unit is None else f"has the unit {unit!r}"
-            raise BadFileError(f"{path}, line {line}: column {name!r} {said}; expected {_EXPECTED}")
-        if name in found:
-            raise BadFileError(f"{path}, line {line}: column {name!r} comes twice")
-        found[name] = (place, _UNITS[unit])
-    missing = [name for name in "xyz" if name not in found]
+def _header(lines: ByteLines, facts: Facts, columns: Columns) -> _Table:
+    """Read up to the first row."""
+    while (line := lines.next()) is not None:
+        if line.lstrip().startswith("#"):
+            facts.see_comment(lines.number, line)
+        elif line.strip():
+            break
+    else:
+        raise BadFileError(f"{lines.path}: no header; expected {EXPECTED}")
+    separator = _separator(line) or ","
+    titles = _cells(line, separator)
+    try:
+        found = find_columns(titles, columns)
+    except ValueError as error:
+        raise lines.error(str(error)) from None
+    missing = [axis for axis in "xyz" if axis not in found]
     if missing:
-        raise BadFileError(
-            f"{path}, line {line}: no column {', '.join(missing)}; the header has {', '.join(header)}; "
-            f"expected {_EXPECTED}"
+        raise lines.error(
+            f"no column {', '.join(missing)}; the header has {', '.join(titles)[:200]}; expected {EXPECTED}"
         )
-    return found
+    is_row = all(map(_is_number, titles))
+    return _Table(separator, len(titles), found, _no_unit(lines, found), line.encode() if is_row else None)
 
 
-def _facts(path: Path, facts: Mapping[str, tuple[int, str]]) -> dict[str, object]:
-    """Wall, period, overlap limit and provenance from the comment lines."""
-    understood: dict[str, object] = {"provenance": {"file": path.name, "format": "CSV"}}
-    for key, (line, text) in facts.items():
-        try:
-            understood[key] = _FACT_READERS[key](text)
-        except ValueError as error:
-            raise BadFileError(f"{path}, line {line}: {key} {text!r} is not understood: {error}") from error
-    return understood
+def _no_unit(lines: ByteLines, found: dict[str, Column]) -> str:
+    """Say that no column has a unit, if none has; where some have, all must."""
+    for name, column in found.items():
+        if column.unit is not None and column.unit not in LENGTH_UNITS:
+            raise lines.error(f"column {name!r} has the unit {column.unit!r}; expected {EXPECTED}")
+    bare = [name for name, column in found.items() if column.unit is None]
+    if bare and len(bare) < len(found):
+        raise lines.error(f"column {bare[0]!r} has no unit; expected {EXPECTED}")
+    return f"line {lines.number}: the columns have no unit" if bare else ""
 
 
-def _read_wall(text: str) -> Wall:
-    match = _WALL.fullmatch(text.strip())
-    if not match:
-        raise ValueError("expected 'tube radius=0.003875 m', 'rod radius=... m' or 'plate'")
-    return make_wall(match["kind"], None if match["radius"] is None else float(match["radius"]))
+def _rows(lines: ByteLines, facts: Facts, table: _Table) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """The wanted columns of all rows, and the line of each."""
+
+    def split(line: str, number: int) -> list[str] | None:
+        if not line.strip():
+            return None
+        if line.lstrip().startswith("#"):
+            facts.see_comment(number, line)
+            return None
+        return _cells(line, table.separator)
+
+    said = f"the header names {table.width} columns"
+    places = [column.place for column in table.columns.values()]
+    rows = NumberRows(lines.path, list(table.columns), places, table.width, said, split, table.separator)
+    parts = [(np.empty((0, len(places))), np.empty(0, np.int64))]
+    if table.first_row is not None:
+        parts.append(rows.parse([table.first_row], lines.number))
+    first = lines.number + 1
+    while taken := lines.take(ROWS_AT_ONCE):
+        parts.append(rows.parse(taken, first))
+        first = lines.number + 1
+    values, numbered = zip(*parts, strict=True)
+    return np.concatenate(values), np.concatenate(numbered)
 
 
-def _read_period(text: str) -> float | tuple[float, float]:
-    parts = text.split()
-    if len(parts) not in (2, 3) or parts[-1] != "m":
-        raise ValueError("expected one or two numbers and the unit m")
-    values = [float(part) for part in parts[:-1]]
-    return values[0] if len(values) == 1 else (values[0], values[1])
+def _separator(line: str) -> str | None:
+    """What stands between the fields of a header; None if nothing does."""
+    best = max(_SEPARATORS, key=lambda separator: len(_cells(line, separator)))
+    return best if len(_cells(line, best)) > 1 else None
 
 
-def _read_notes(text: str) -> dict[str, str | float | int]:
-    notes = json.loads(text)
-    if not isinstance(notes, dict):
-        raise ValueError("expected names and values in braces")  # noqa: TRY004
-    return {key: plain_value(key, value) for key, value in notes.items()}
+def _cells(line: str, separator: str) -> list[str]:
+    if '"' not in line:
+        return [cell.strip() for cell in line.split(separator)]
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True))]
+    except csv.Error:
+        # a field beyond all measure: whatever is read next says that this is no table
+        return [line]
 
 
-_FACT_READERS: dict[str, Callable[[str], object]] = {
-    "wall": _read_wall,
-    "period": _read_period,
-    "max_overlap": float,
-    "provenance": _read_notes,
-}
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

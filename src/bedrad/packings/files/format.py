@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from bedrad.errors import BadFileError
 from bedrad.packings.files.contents import Contents
 from bedrad.packings.packing import Packing
 
-__all__ = ["Columns", "Format", "single"]
+__all__ = ["COLUMN_NAMES", "Columns", "Format", "sharing", "single"]
+
+COLUMN_NAMES = ("x", "y", "z", "radius", "diameter")
+"""The columns of a table that the user may name."""
 
 Columns = Mapping[str, str]
-"""bedrad's name of a quantity (x, y, z, radius, diameter) to its column in the file: a name, or a number from 1."""
+"""bedrad's name of a quantity (one of `COLUMN_NAMES`) to its column in the file: a name, or a number from 1."""
 
 
 @dataclass(frozen=True)
@@ -67,3 +70,23 @@ def single(
         yield read_all(path, *columns)
 
     return Format(name, suffixes, recognises, read_one, iterate, write, takes_columns)
+
+
+def sharing(form: Format, other: Format, is_other: Callable[[Path], bool]) -> Format:
+    """Make the row of a format whose first bytes another format has too: it hands the other's files on.
+
+    Parameters
+    ----------
+    form, other : Format
+        The formats.
+    is_other : callable
+        Whether the file at a path is of the other format.
+    """
+
+    def read(path: Path, frame: int) -> Contents:
+        return (other if is_other(path) else form).read(path, frame)
+
+    def frames(path: Path) -> Iterator[Contents]:
+        yield from (other if is_other(path) else form).frames(path)
+
+    return replace(form, read=read, frames=frames)

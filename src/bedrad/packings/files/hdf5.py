@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from bedrad import __version__
 from bedrad.errors import BadFileError
 from bedrad.packings.files.contents import Contents, describe_wall, make_wall, plain_value
+from bedrad.packings.files.hdf5_access import member, open_hdf5, read_array, where
 from bedrad.packings.packing import Packing, Provenance
 
 __all__ = [
@@ -98,7 +99,7 @@ def load_packing(group: h5py.Group) -> Packing:
     try:
         return Packing(held.centers, held.radii, held.wall, held.period, held.provenance, held.max_overlap)  # type: ignore[arg-type]
     except ValueError as error:
-        raise BadFileError(f"{_where(group)}: {error}") from error
+        raise BadFileError(f"{where(group)}: {error}") from error
 
 
 def looks_like_hdf5(head: bytes) -> bool:
@@ -114,17 +115,11 @@ def read_hdf5(path: Path) -> Contents:
     BadFileError
         If it is no HDF5 file, is cut off, or holds no packing.
     """
-    try:
-        with h5py.File(path, "r") as file:
-            if isinstance(file.get(GROUP), h5py.Group):
-                return _contents(file[GROUP])
-            listing = _listing(file)
-    except BadFileError:
-        raise
-    # h5py tells of damage by any of these
-    except (OSError, RuntimeError, KeyError, UnicodeDecodeError) as error:
-        raise BadFileError(f"{path}: damaged or cut-off HDF5 file ({error})") from error
-    raise BadFileError(f"{path}: no group /{GROUP}; the file holds {listing}")
+    with open_hdf5(path) as file:
+        group = member(file, GROUP)
+        if isinstance(group, h5py.Group):
+            return _contents(group)
+        raise BadFileError(f"{path}: no group /{GROUP}; the file holds {_listing(file)}")
 
 
 def write_hdf5(packing: Packing, path: Path) -> None:
@@ -140,17 +135,17 @@ def write_hdf5(packing: Packing, path: Path) -> None:
 
 
 def _contents(group: h5py.Group) -> Contents:
-    where = _where(group)
+    place = where(group)
     version = group.attrs.get("schema_version")
     if version != SCHEMA_VERSION:
-        raise BadFileError(f"{where} has the schema_version {version}; this bedrad reads {SCHEMA_VERSION}")
+        raise BadFileError(f"{place} has the schema_version {version}; this bedrad reads {SCHEMA_VERSION}")
     centers, radii = (_dataset(group, name) for name in ("centers", "radii"))
     if centers.ndim != 2 or centers.shape[1] != 3 or radii.shape != centers.shape[:1]:
         raise BadFileError(
-            f"{where} has centers of shape {centers.shape} and radii of shape {radii.shape}; expected (n, 3) and (n,)"
+            f"{place} has centers of shape {centers.shape} and radii of shape {radii.shape}; expected (n, 3) and (n,)"
         )
     if "max_overlap" not in group.attrs:
-        raise BadFileError(f"{where} has no attribute 'max_overlap'; it has {_listing(group.attrs)}")
+        raise BadFileError(f"{place} has no attribute 'max_overlap'; it has {_listing(group.attrs)}")
     try:
         return Contents(
             centers=centers,
@@ -159,24 +154,25 @@ def _contents(group: h5py.Group) -> Contents:
             period=_period(group.attrs.get("period")),
             provenance=_notes(group),
             max_overlap=float(group.attrs["max_overlap"]),
+            states_unit=True,
         )
     except BadFileError:
         raise
     except (TypeError, ValueError) as error:
-        raise BadFileError(f"{where}: {error}") from error
+        raise BadFileError(f"{place}: {error}") from error
 
 
 def _dataset(group: h5py.Group, name: str) -> NDArray[np.float64]:
-    where = _where(group)
-    dataset = group.get(name)
+    place = where(group)
+    dataset = member(group, name)
     if not isinstance(dataset, h5py.Dataset):
-        raise BadFileError(f"{where} has no dataset {name!r}; it holds {_listing(group)}")
+        raise BadFileError(f"{place} has no dataset {name!r}; it holds {_listing(group)}")
     if dataset.dtype.kind != "f":
-        raise BadFileError(f"{where}: dataset {name!r} holds {dataset.dtype}; expected floating-point numbers")
+        raise BadFileError(f"{place}: dataset {name!r} holds {dataset.dtype}; expected floating-point numbers")
     units = dataset.attrs.get("units")
     if units != "m":
-        raise BadFileError(f"{where}: dataset {name!r} has the units {units!r}; expected 'm'")
-    return np.asarray(dataset[()], dtype=np.float64)
+        raise BadFileError(f"{place}: dataset {name!r} has the units {units!r}; expected 'm'")
+    return np.asarray(read_array(dataset), dtype=np.float64)
 
 
 def _period(stored: object) -> float | tuple[float, float] | None:
@@ -189,14 +185,10 @@ def _period(stored: object) -> float | tuple[float, float] | None:
 
 
 def _notes(group: h5py.Group) -> Provenance:
-    notes = group.get("provenance")
+    notes = member(group, "provenance")
     if not isinstance(notes, h5py.Group):
-        raise BadFileError(f"{_where(group)} has no group 'provenance'; it holds {_listing(group)}")
+        raise BadFileError(f"{where(group)} has no group 'provenance'; it holds {_listing(group)}")
     return {key: plain_value(key, value) for key, value in notes.attrs.items()}
-
-
-def _where(group: h5py.Group) -> str:
-    return f"{group.file.filename}: group {group.name}"
 
 
 def _listing(names: Iterable[str]) -> str:

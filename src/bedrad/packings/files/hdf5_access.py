@@ -1,0 +1,144 @@
+"""Reading HDF5 files that others made: nothing outside the file, nothing larger than what is stored in it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from bedrad.errors import BadFileError
+
+__all__ = ["holds", "member", "number_attribute", "open_hdf5", "read_array", "where"]
+
+_SMALL = 1 << 24
+"""Arrays up to this size are read however little is stored of them. [bytes]"""
+
+_COMPRESSION = 100
+"""How many times its stored size a larger array may have; coordinates shrink to a half or a third."""
+
+
+@contextmanager
+def open_hdf5(path: Path) -> Iterator[h5py.File]:
+    """Open an HDF5 file for reading.
+
+    Raises
+    ------
+    BadFileError
+        If it cannot be opened or is damaged, also while it is read.
+    """
+    try:
+        with h5py.File(path, "r") as file:
+            yield file
+    except BadFileError:
+        raise
+    except FileNotFoundError as error:
+        raise BadFileError(f"{path}: no such file") from error
+    # h5py tells of damage by any of these
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError) as error:
+        raise BadFileError(f"{path}: damaged or cut-off HDF5 file ({error})") from error
+
+
+def where(item: h5py.Group | h5py.Dataset) -> str:
+    """File and place of a group or dataset, for messages."""
+    kind = "dataset" if isinstance(item, h5py.Dataset) else "group"
+    return f"{item.file.filename}: {kind} {item.name}"
+
+
+def holds(group: h5py.Group, name: str) -> bool:
+    """Whether a group holds something under a name, wherever it leads."""
+    return bool(group.id.links.exists(_raw(name)))
+
+
+def member(group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset | None:
+    """Return what a group holds under a name, None if nothing.
+
+    Raises
+    ------
+    BadFileError
+        If it is a link by name, which may lead to another file.
+    """
+    if not holds(group, name):
+        return None
+    if group.id.links.get_info(_raw(name)).type != h5py.h5l.TYPE_HARD:
+        raise BadFileError(f"{where(group)}: {name!r} is a link by name; only what the group itself holds is read")
+    found = group[name]
+    return found if isinstance(found, (h5py.Group, h5py.Dataset)) else None
+
+
+def number_attribute(item: h5py.Group | h5py.Dataset, name: str) -> float | None:
+    """Return an attribute that is one number; None if there is no such attribute.
+
+    Raises
+    ------
+    BadFileError
+        If it is something else.
+    """
+    if name not in item.attrs:
+        return None
+    attribute = item.attrs.get_id(name)
+    if attribute.dtype.kind not in "fiu" or not _is_one(attribute.shape):
+        raise BadFileError(f"{where(item)}: the attribute {name!r} is not a number")
+    value = float(np.asarray(item.attrs[name]).reshape(()))
+    if not math.isfinite(value):
+        raise BadFileError(f"{where(item)}: the attribute {name!r} is {value}; expected a finite number")
+    return value
+
+
+def read_array(
+    dataset: h5py.Dataset, kinds: str = "f", fields: Sequence[str] = (), allowed: int = 0
+) -> NDArray[np.generic]:
+    """Read a whole dataset of numbers.
+
+    Parameters
+    ----------
+    dataset : h5py.Dataset
+        The dataset.
+    kinds : str
+        What its numbers may be: ``f`` for floating point, ``i`` and ``u`` for integers.
+    fields : sequence of str
+        For a dataset of records, the fields to read.
+    allowed : int
+        Size that is accepted however well it is compressed, where something else confirms it. [bytes]
+
+    Raises
+    ------
+    BadFileError
+        If it holds something else, lies in other files, or claims to be much larger than what is stored.
+    """
+    types = [dataset.dtype]
+    if fields:
+        absent = [name for name in fields if name not in (dataset.dtype.names or ())]
+        if absent:
+            raise BadFileError(f"{where(dataset)}: no field {absent[0]!r}; it holds {dataset.dtype}")
+        types = [dataset.dtype[name] for name in fields]
+    for dtype in types:
+        if dtype.base.kind not in kinds:
+            expected = "floating-point numbers" if kinds == "f" else "numbers"
+            raise BadFileError(f"{where(dataset)} holds {dtype}; expected {expected}")
+    if dataset.is_virtual or dataset.external:
+        raise BadFileError(f"{where(dataset)}: its numbers lie in other files; these are not read")
+    if dataset.shape is None:
+        raise BadFileError(f"{where(dataset)} is empty")
+    # unwritten parts are stored nowhere, and a broken index may name the same bytes many times
+    stored = min(dataset.id.get_storage_size(), dataset.file.id.get_filesize())
+    for shape in (dataset.shape, dataset.chunks or ()):
+        size = math.prod(shape) * dataset.dtype.itemsize
+        if size > max(_SMALL, allowed, _COMPRESSION * stored):
+            raise BadFileError(
+                f"{where(dataset)} has the shape {shape}, {size} bytes, of which {stored} bytes are stored"
+            )
+    read: NDArray[np.generic] = np.asarray(dataset.fields(list(fields))[()] if fields else dataset[()])
+    return read
+
+
+def _raw(name: str) -> bytes:
+    return name.encode("utf-8", "surrogateescape")
+
+
+def _is_one(shape: tuple[int, ...] | None) -> bool:
+    return shape is not None and math.prod(shape) == 1
