@@ -6,10 +6,10 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint format benchmark calibration clean help
+.PHONY: demo test lint format benchmark calibration study-structure study-flow clean help
 
 help:  ## list the targets
-	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 14
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 18
 
 demo: $(READY)  ## settle a bed, measure it, trace it, predict its heat transfer up to 1100 degC
 	$(BIN)/bedrad run examples/hot_tube.toml -o results/hot_tube.h5
@@ -32,6 +32,14 @@ benchmark: $(READY)  ## rays a second and time to an error, against meshes, on t
 
 calibration: $(READY)  ## are the stated errors of the view factors right? 200 seeds, 5 tolerances, 3 beds; some 15 minutes
 	$(BIN)/python benchmarks/calibration.py --csv docs/calibration.csv
+
+study-structure: $(READY)  ## settled beds in tubes of 2.5 to 25 diameters: porosity beside the wall, mean porosity; some 15 minutes
+	$(BIN)/python benchmarks/structure_of_settled_beds.py --csv docs/structure_of_settled_beds.csv --figure docs/images/near_wall_structure.png
+
+study-flow: $(READY)  ## wall layers and view factors of flows; some 10 hours of two cores, goes on where it was
+	$(BIN)/python benchmarks/flow_study.py --csv docs/flow_study.csv
+	$(BIN)/python benchmarks/flow_fits.py --csv docs/flow_study.csv
+	$(BIN)/python benchmarks/flow_study_figures.py --csv docs/flow_study.csv --folder docs/images
 
 clean:  ## remove the environment and the results
 	rm -rf $(VENV) results

@@ -49,7 +49,7 @@ class ChannelOptions:
     hopper_level
         Height of the particles above the cone, in D.
     orifice
-        Diameter of a hole in a floor at the foot of the tube, in place of the belt and of --velocity.
+        Diameter of the outlet of a blunt funnel at the foot of the tube, in place of the belt and of --velocity.
     """
 
     tube_length: float = 30.0

@@ -99,6 +99,10 @@ class TestPlan:
             ({"channel": Channel(orifice=3e-3)}, "both were given"),
             ({"velocity": None, "channel": Channel(orifice=1e-3)}, "more than two of the largest diameters"),
             ({"velocity": None, "channel": Channel(orifice=5e-3)}, "less than the tube's 0.0048 m"),
+            (
+                {"velocity": None, "wall": bedrad.Tube(6e-3), "channel": Channel(orifice=2e-3, window=(10.0, 27.0))},
+                "window ends 27 diameters above a funnel that is 4.81 high",
+            ),
             ({"frames": 1}, "frames is 1; expected an integer, at least 2"),
             ({"frames": 2.5}, "frames is 2.5"),
             ({"spacing": 0.0}, "spacing is 0.0"),
@@ -166,8 +170,9 @@ class TestScript:
 
     def test_an_orifice_is_closed_while_the_channel_fills(self) -> None:
         script = flow_script(planned(velocity=None, channel=Channel(orifice=3e-3)))
-        closed, opened = script.index("region above\n"), script.index("region floor\n")
+        closed, opened = script.index("region above\n"), script.index("unfix           floor\n")
         assert closed < script.index("write_dump") < opened
+        assert "region funnel\n" in script
         assert "addforce" not in script
 
     def test_restart_files_and_frames_fall_on_one_step(self) -> None:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import time
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,7 +19,7 @@ from bedrad.packings.flow_plan import Channel, FlowPlan, Protocol, plan_flowing
 from bedrad.packings.flow_run import Progress, run_flow
 from bedrad.packings.flow_script import REST, frame_name
 from bedrad.packings.grains import Grains, check_seed, mixture_of, tube_for
-from bedrad.packings.lammps import LOG, ThermoReader
+from bedrad.packings.lammps import LOG, ThermoReader, working_folder
 from bedrad.packings.overlaps import overlap_facts
 from bedrad.packings.packing import LARGEST_OVERLAP, Packing
 from bedrad.walls import Tube, Wall, Window
@@ -39,7 +37,7 @@ class Flow:
     Attributes
     ----------
     packings : tuple of Packing
-        The spheres in the tube above the belt, one packing a frame; z counts from the foot of the tube.
+        The spheres in the tube above the belt or funnel, one packing a frame; z counts from the foot of the tube.
     window : Window
         The piece of wall in which the flow was measured, and in which to measure the packings.
     measures : FlowMeasures
@@ -190,9 +188,12 @@ def flow(
     """
     start = time.perf_counter()
     check_seed(seed)
-    grains = Grains(density, friction, wall_friction, restitution, stiffness, gravity, youngs_modulus, poisson_ratio)
-    plan = _plan(wall, diameter, velocity, frames, sizes, grains, channel, flush, spacing)
-    with _folder(work_dir) as folder:
+    plan = plan_flow(
+        wall, diameter, velocity, frames, sizes=sizes, density=density, friction=friction, wall_friction=wall_friction,
+        restitution=restitution, stiffness=stiffness, youngs_modulus=youngs_modulus, poisson_ratio=poisson_ratio,
+        gravity=gravity, channel=channel, flush=flush, spacing=spacing,
+    )  # fmt: skip
+    with working_folder(work_dir, "bedrad-flow-") as folder:
         run, resumed_at = run_flow(plan, seed, folder, ranks=ranks, executable=executable, progress=progress)
         kept = [read_frame(folder / frame_name(step)) for step in plan.frame_numbers]
         measures = measure_flow(plan, kept, _rest(folder / REST))
@@ -235,35 +236,9 @@ def plan_flow(
         Number of spheres, channel, time step, steps and work; printable.
     """
     grains = Grains(density, friction, wall_friction, restitution, stiffness, gravity, youngs_modulus, poisson_ratio)
-    return _plan(wall, diameter, velocity, frames, sizes, grains, channel, flush, spacing)
-
-
-def _plan(
-    wall: Wall,
-    diameter: float | None,
-    velocity: float | None,
-    frames: int,
-    sizes: Sequence[tuple[float, float]] | None,
-    grains: Grains,
-    channel: Channel | None,
-    flush: float | None,
-    spacing: float,
-) -> FlowPlan:
     mixture = mixture_of(diameter, sizes)
-    tube: Tube = tube_for(wall, mixture, "let flow")
+    tube = tube_for(wall, mixture, "let flow")
     return plan_flowing(tube, mixture, velocity, grains, channel or Channel(), Protocol(frames, flush, spacing))
-
-
-@contextmanager
-def _folder(work_dir: str | os.PathLike[str] | None) -> Iterator[Path]:
-    """Give the folder to run in: the user's, kept, or a temporary one, removed whatever happens."""
-    if work_dir is None:
-        with tempfile.TemporaryDirectory(prefix="bedrad-flow-") as name:
-            yield Path(name)
-    else:
-        folder = Path(work_dir)
-        folder.mkdir(parents=True, exist_ok=True)
-        yield folder
 
 
 def _rest(path: Path) -> tuple[FloatArray, FloatArray]:
@@ -320,8 +295,8 @@ def _facts(plan: FlowPlan, measures: FlowMeasures, seed: int, version: str) -> F
 
 
 def _packing(plan: FlowPlan, frame: FlowFrame, facts: Facts, max_overlap: float) -> Packing:
-    """The spheres above the belt as a packing with open ends."""
-    tube, above = Tube(plan.tube_radius), frame.centers[:, 2] >= plan.belt_top
+    """The spheres above the belt or funnel as a packing with open ends."""
+    tube, above = Tube(plan.tube_radius), frame.centers[:, 2] >= plan.foot_top
     centers, radii = frame.centers[above], frame.radii[above]
     notes = facts | {"timestep": frame.step}
     try:

@@ -30,6 +30,10 @@ FloatArray = NDArray[np.float64]
 SOLID_FRACTION = 0.6
 """Solid fraction from which the number of spheres follows."""
 
+FUNNEL_ANGLE = 120.0
+"""Full angle of the funnel that ends in an orifice: so blunt that spheres slide on spheres, as over a flat floor. The
+edge of a flat floor is more than LAMMPS offers: spheres that pass it are thrown. [degree]"""
+
 LATTICE_SPACING = 1.12
 """Spacing of the lattice that the spheres fall from, in diameters of the largest."""
 
@@ -63,7 +67,7 @@ class Channel:
     belt : float
         Height of the belt, the lowest piece of the tube, where spheres are dragged at the chosen velocity.
     window : (float, float)
-        Range above the belt in which the flow is measured.
+        Range above the belt (or the funnel) in which the flow is measured.
     hopper_width : float
         Diameter of the hopper, in tube diameters; 1 leaves the hopper out.
     hopper_angle : float
@@ -71,7 +75,7 @@ class Channel:
     hopper_level : float
         Height of the spheres in the hopper above the cone, in tube diameters.
     orifice : float or None
-        Diameter of a round hole in a flat floor at the foot of the tube, in place of the belt. [m]
+        Diameter of the outlet of a blunt funnel at the foot of the tube, in place of the belt. [m]
 
     Raises
     ------
@@ -220,15 +224,18 @@ class FlowPlan:
         return self.channel.tube_length * self.mean
 
     @property
-    def belt_top(self) -> float:
-        """Height of the upper end of the belt; 0 where an orifice drives the flow. [m]."""
-        return 0.0 if self.channel.orifice is not None else self.channel.belt * self.mean
+    def foot_top(self) -> float:
+        """Height of what drives the flow: the upper end of the belt, or of the funnel over an orifice. [m]."""
+        if self.channel.orifice is None:
+            return self.channel.belt * self.mean
+        return (self.tube_radius - self.channel.orifice / 2.0) / math.tan(math.radians(FUNNEL_ANGLE / 2.0))
 
     @property
     def window(self) -> tuple[float, float]:
         """Heights between which the flow is measured. [m]."""
         low, high = self.channel.window
-        return (self.channel.belt + low) * self.mean, (self.channel.belt + high) * self.mean
+        foot = self.channel.belt if self.channel.orifice is None else self.foot_top / self.mean
+        return (foot + low) * self.mean, (foot + high) * self.mean
 
     @property
     def hopper_radius(self) -> float:
@@ -379,8 +386,8 @@ def plan_flowing(
     Raises
     ------
     ValueError
-        If not just one of a velocity and an orifice is given, the velocity is not positive, or the orifice is as
-        wide as the tube or too narrow for the spheres to pass.
+        If not just one of a velocity and an orifice is given, the velocity is not positive, the orifice is as wide as
+        the tube or too narrow for the spheres to pass, or the window ends above the tube.
     """
     if (velocity is None) == (channel.orifice is None):
         both = "both were given" if velocity is not None else "neither was given"
@@ -389,7 +396,13 @@ def plan_flowing(
         check_number("velocity", velocity, velocity > 0, "a positive number of m/s")
     else:
         velocity = _orifice_velocity(tube, mixture, grains, channel)
-    return FlowPlan(tube.radius, float(velocity), tuple(mixture), grains, channel, protocol)
+    plan = FlowPlan(tube.radius, float(velocity), tuple(mixture), grains, channel, protocol)
+    if plan.window[1] > plan.tube_top:
+        raise ValueError(
+            f"window ends {channel.window[1]:g} diameters above a funnel that is {plan.foot_top / plan.mean:.3g} high; "
+            f"expected an end within the tube of {channel.tube_length:g} diameters"
+        )
+    return plan
 
 
 def _orifice_velocity(tube: Tube, mixture: Mixture, grains: Grains, channel: Channel) -> float:

@@ -137,7 +137,7 @@ def _near(plan: FlowPlan) -> str:
     """Regions near the parts of the channel, and the groups of spheres in them."""
     reach = _NEAR * plan.largest
     inner, outer = plan.tube_radius - 0.5 * plan.largest - reach, plan.hopper_radius - 0.5 * plan.largest - reach
-    top, cone, foot = plan.tube_top, plan.cone_top, plan.belt_top + 0.5 * plan.largest + reach
+    top, cone, foot = plan.tube_top, plan.cone_top, plan.foot_top + 0.5 * plan.largest + reach
     hopper = plan.channel.hopper_width > 1.0
     text = "\n".join(
         f"region          {name}_side {shape}\n"
@@ -162,24 +162,20 @@ def _outside(radius: float) -> str:
 
 
 def _drive(plan: FlowPlan, wall: str) -> str:
-    """The belt, or a floor with a hole that is closed while the channel fills."""
+    """The belt, or a funnel over a floor that goes when the channel is full."""
     if plan.channel.orifice is None:
         return f"""\
-region          belt cylinder z 0 0 {plan.tube_radius!r} 0 {plan.belt_top!r}
+region          belt cylinder z 0 0 {plan.tube_radius!r} 0 {plan.foot_top!r}
 variable        speed equal 0.0
 variable        drag atom -{BELT_RATE / plan.time_step!r}*mass*(vz+v_speed)
 fix             belt near_foot addforce 0 0 v_drag region belt
 """
-    far, beyond, largest = 2.0 * plan.hopper_radius, 10.0 * plan.largest, plan.largest
-    clear = 0.5 * (plan.channel.orifice - largest)
-    # Together these are the room above a floor with a hole: a contact with one that lies inside another is none. The
-    # floor ends where a sphere clears the rim, as LAMMPS has no rim that is round for spheres; below it the hole is
-    # wide, so that it does not hold what has passed. Only closed regions will do; their far sides are out of reach.
+    far, tube, outlet = 2.0 * plan.hopper_radius, plan.tube_radius, plan.channel.orifice / 2.0
+    # the other sides of the box that stands on the floor are out of reach; open sides would open the floor too
     return f"""\
-region          above block {-far!r} {far!r} {-far!r} {far!r} 0 {plan.box_top + beyond!r}
-region          hole cylinder z 0 0 {clear!r} {-largest!r} {0.5 * plan.smallest!r}
-region          below cylinder z 0 0 {clear + largest!r} {-beyond!r} {-1e-6 * largest!r}
-region          floor union 3 above hole below
+region          above block {-far!r} {far!r} {-far!r} {far!r} 0 {plan.box_top + far!r}
+region          funnel cone z 0 0 {outlet!r} {tube!r} 0 {plan.foot_top!r} open 1 open 2
+fix             funnel near_foot wall/gran/region {wall} region funnel
 fix             floor near_foot wall/gran/region {wall} region above
 """
 
@@ -206,8 +202,7 @@ write_dump      all custom {REST} id x y z radius modify region inside sort id f
     if plan.channel.orifice is None:
         text += f"\nvariable        speed equal {plan.velocity!r}\n"
     else:
-        _, wall = _contacts(plan)
-        text += f"\nunfix           floor\nfix             floor near_foot wall/gran/region {wall} region floor\n"
+        text += "\nunfix           floor\n"
     flushed = plan.fill_steps + plan.flush_steps
     if done < flushed:
         text += f"run             {flushed} {every}\n"

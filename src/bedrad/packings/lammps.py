@@ -10,16 +10,17 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
 from bedrad.errors import EngineFailedError, MissingExtraError
 
-__all__ = ["LOG", "SCRIPT", "LammpsRun", "ThermoReader", "find_lammps", "run_lammps"]
+__all__ = ["LOG", "SCRIPT", "LammpsRun", "ThermoReader", "find_lammps", "run_lammps", "working_folder"]
 
 SCRIPT = "in.lammps"
 LOG = "log.lammps"
@@ -110,6 +111,18 @@ def find_lammps() -> Path:
     if on_path is None:
         raise MissingExtraError("LAMMPS", _EXTRA)
     return Path(on_path)
+
+
+@contextmanager
+def working_folder(work_dir: str | os.PathLike[str] | None, prefix: str) -> Iterator[Path]:
+    """Give the folder to run in: the user's, kept, or a temporary one, removed whatever happens."""
+    if work_dir is None:
+        with tempfile.TemporaryDirectory(prefix=prefix) as name:
+            yield Path(name)
+    else:
+        folder = Path(work_dir)
+        folder.mkdir(parents=True, exist_ok=True)
+        yield folder
 
 
 def run_lammps(

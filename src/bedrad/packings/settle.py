@@ -5,10 +5,8 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-import tempfile
 import warnings
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +16,7 @@ from bedrad.errors import EngineFailedError
 from bedrad.packings.contact import STEPS_PER_CONTACT, TANGENTIAL_SHARE
 from bedrad.packings.files.lammps_dump import read_dump
 from bedrad.packings.grains import Grains, check_number, check_seed, mixture_of, tube_for
-from bedrad.packings.lammps import LammpsRun, run_lammps
+from bedrad.packings.lammps import LammpsRun, run_lammps, working_folder
 from bedrad.packings.overlaps import overlap_facts
 from bedrad.packings.packing import LARGEST_OVERLAP, Packing
 from bedrad.packings.pouring import Column, count_spheres, loose_column
@@ -133,7 +131,7 @@ def settle(
     tube, mixture, column = _prepare(wall, diameter, height, seed, sizes)
     plan = plan_settling(tube, column, grains, time_limit)
     script, data = settle_script(plan), column.data_file(plan.density, 5.0 * plan.largest)
-    with _folder(work_dir) as folder:
+    with working_folder(work_dir, "bedrad-settle-") as folder:
         (folder / DATA).write_text(data, encoding="utf-8")
         watch = _Watch(plan, progress) if progress else None
         run = run_lammps(script, folder, ranks=ranks, executable=executable, watch=watch)
@@ -198,18 +196,6 @@ def _column(tube: Tube, mixture: list[tuple[float, float]], height: float, seed:
     check_seed(seed)
     counts = count_spheres(mixture, SOLID_FRACTION * math.pi * tube.radius**2 * height)
     return loose_column(tube.radius, mixture, counts, np.random.default_rng(seed))
-
-
-@contextmanager
-def _folder(work_dir: str | os.PathLike[str] | None) -> Iterator[Path]:
-    """Give the folder to run in: the user's, kept, or a temporary one, removed whatever happens."""
-    if work_dir is None:
-        with tempfile.TemporaryDirectory(prefix="bedrad-settle-") as name:
-            yield Path(name)
-    else:
-        folder = Path(work_dir)
-        folder.mkdir(parents=True, exist_ok=True)
-        yield folder
 
 
 class _Watch:
