@@ -89,13 +89,15 @@ class _Estimator:
     def estimates(self, totals: Tally, share: float) -> Estimates:
         """All estimates, from totals over a share of the window, which is above 1 for several frames."""
         per_area = totals.wall_contacts / (share * self.area)
+        most = hexagonal_maximum(self.measure.wall, self.measure.radius)
         number, gaps, volumes, weighted = totals.no_contact
         spheres = totals.spheres
         estimates = {
             "packing_fractions": totals.layers / (share * self.layers),
             "profile": totals.profile / (share * self.profile),
             "contacts_per_area_by_gap": per_area,
-            "contact_ratio_by_gap": per_area / hexagonal_maximum(self.measure.wall, self.measure.radius),
+            # a tube as wide as its spheres has no room for a layer, so that the maximum is zero
+            "contact_ratio_by_gap": per_area / most if most > 0.0 else np.full_like(per_area, math.nan),
             "nc_share_by_gap": _ratio(totals.apart, totals.apart + totals.wall_contacts),
             "nc_distance": _ratio(gaps, number),
             "nc_distance_weighted": _ratio(weighted, volumes),
