@@ -32,21 +32,47 @@ QUANTITIES = {
 }
 """Name of the correlation, and the column of the table, where "error " goes into the braces."""
 
-TERMS = {"1": (0, 0), "1/A": (1, 0), "U*": (0, 1), "U*/A": (1, 1), "U*^2": (0, 2)}
-"""Terms that a fit may have: powers of 1/A and of U*."""
+TERMS = ((0, 0), (1, 0), (0, 1), (1, 1))
+"""Terms of every fit: powers of 1/A and of U*."""
+
+_HEAD = '''"""Coefficients of correlations for flows: written by benchmarks/flow_fits.py from docs/flow_study.csv."""
+
+from __future__ import annotations
+
+__all__ = ["DIAMETER_RATIOS", "FITS", "POINTS", "TERMS", "VELOCITIES"]
+
+'''
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Coefficients of the terms, their covariance, and the scatter about the fit that the errors do not explain."""
+    """Coefficients, covariance, the scatter that errors do not explain, and what is missed (root mean squares)."""
 
     coefficients: FloatArray
     covariance: FloatArray
     scatter: float
-    missed: FloatArray
+    missed: float
+    unseen: float
 
 
-def fit(design: FloatArray, values: FloatArray, errors: FloatArray) -> Fit:
+def fit(design: FloatArray, values: FloatArray, errors: FloatArray, groups: FloatArray) -> Fit:
+    """Fit, and fit again without each group."""
+    coefficients, covariance, scatter = least_squares(design, values, errors)
+    missed = values - design @ coefficients
+    unseen = []
+    for group in np.unique(groups):
+        seen = groups != group
+        if np.linalg.matrix_rank(design[seen]) == design.shape[1] < seen.sum():
+            without, _, _ = least_squares(design[seen], values[seen], errors[seen])
+            unseen.append(values[~seen] - design[~seen] @ without)
+    return Fit(coefficients, covariance, scatter, _rms(missed), _rms(np.concatenate(unseen)) if unseen else np.nan)
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values * values)))
+
+
+def least_squares(design: FloatArray, values: FloatArray, errors: FloatArray) -> tuple[FloatArray, FloatArray, float]:
     """Weighted least squares with a scatter of its own, found so that chi-square is its expectation."""
     free = len(values) - design.shape[1]
 
@@ -61,41 +87,66 @@ def fit(design: FloatArray, values: FloatArray, errors: FloatArray) -> Fit:
 
     scatter = 0.0 if excess(0.0) <= 0.0 else float(brentq(excess, 0.0, 10.0 * float(values.std())))
     coefficients, covariance, _ = solve(scatter)
-    return Fit(coefficients, covariance, scatter, values - design @ coefficients)
+    return coefficients, covariance, scatter
 
 
-def left_out(design: FloatArray, values: FloatArray, errors: FloatArray, groups: FloatArray) -> float:
-    """Root mean square of what fits miss of the configurations that they have not seen."""
-    missed = []
-    for group in np.unique(groups):
-        seen = groups != group
-        if np.linalg.matrix_rank(design[seen]) < design.shape[1]:
-            return float("nan")
-        found = fit(design[seen], values[seen], errors[seen])
-        missed.append(values[~seen] - design[~seen] @ found.coefficients)
-    return float(np.sqrt(np.mean(np.concatenate(missed) ** 2)))
+def fits(rows: list[dict[str, str]]) -> tuple[FloatArray, FloatArray, dict[str, Fit]]:
+    """Diameter ratios and velocities U* of the flows that are fitted, and the fits."""
+    dense = [
+        row for row in rows
+        if not row["variation"] and not any(word in row["problems"] for word in ("thinned", "jammed"))
+    ]  # fmt: skip
+    A, U = (np.array([float(row[name]) for row in dense]) for name in ("A [1]", "U* [1]"))
+    design = np.stack([A**-p * U**q for p, q in TERMS], axis=1)
+    found = {}
+    for name, column in QUANTITIES.items():
+        values = np.array([float(row[column.format("")]) for row in dense])
+        errors = np.array([float(row[column.format("error ")]) for row in dense])
+        found[name] = fit(design, values, errors, A)
+    return A, U, found
+
+
+def module_text(A: FloatArray, U: FloatArray, found: dict[str, Fit]) -> str:
+    """The Python module that holds the fits."""
+    lines = [
+        f"POINTS = {len(A)}",
+        '"""Flows that were fitted."""\n',
+        f"DIAMETER_RATIOS = ({A.min():.1f}, {A.max():.1f})",
+        f"VELOCITIES = ({U.min():.3f}, {U.max():.3f})",
+        '"""Range of U/sqrt(g d)."""\n',
+        f"TERMS = {TERMS!r}",
+        '"""Powers of 1/A and of U/sqrt(g d)."""\n',
+        "FITS = {",
+    ]
+    for name, each in found.items():
+        covariance = "".join(f"            {tuple(float(f'{x:.6g}') for x in row)!r},\n" for row in each.covariance)
+        lines += [
+            f'    "{name}": (',
+            f"        {tuple(float(f'{c:.8g}') for c in each.coefficients)!r},",
+            f"        (\n{covariance}        ),",
+            f"        {each.scatter:.4g},",
+            "    ),",
+        ]
+    lines += ["}", '"""Coefficients, their covariance, and the standard deviation of a flow about the fit."""\n']
+    return _HEAD + "\n".join(lines)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--csv", type=Path, default=ROOT / "docs" / "flow_study.csv", help="the table")
-    parser.add_argument("--terms", nargs="+", default=list(TERMS)[:4], choices=list(TERMS), help="terms of the fits")
+    parser.add_argument("--module", type=Path, help="Python module to write")
     options = parser.parse_args()
-    rows = [row for row in read_rows(options.csv) if not row["variation"]]
-    dense = [row for row in rows if not any(word in row["problems"] for word in ("thinned", "jammed"))]
-    A, U = (np.array([float(row[name]) for row in dense]) for name in ("A [1]", "U* [1]"))
-    print(f"{len(dense)} of {len(rows)} flows, A {A.min():.1f} to {A.max():.1f}, U* {U.min():.3f} to {U.max():.3f}")
-    powers = [TERMS[name] for name in options.terms]
-    design = np.stack([A**-p * U**q for p, q in powers], axis=1)
-    for name, column in QUANTITIES.items():
-        values = np.array([float(row[column.format("")]) for row in dense])
-        errors = np.array([float(row[column.format("error ")]) for row in dense])
-        found = fit(design, values, errors)
-        print(f"{name}: {', '.join(options.terms)}")
-        print("  coefficients", np.array2string(found.coefficients, precision=5, separator=", "))
-        print("  errors      ", np.array2string(np.sqrt(np.diag(found.covariance)), precision=2, separator=", "))
-        print(f"  scatter {found.scatter:.4f}, misses {np.sqrt(np.mean(found.missed**2)):.4f} (rms), "
-              f"unseen configurations {left_out(design, values, errors, A):.4f}")  # fmt: skip
+    A, U, found = fits(read_rows(options.csv))
+    print(f"{len(A)} flows, A {A.min():.1f} to {A.max():.1f}, U* {U.min():.3f} to {U.max():.3f}; terms {TERMS}")
+    for name, each in found.items():
+        print(name)
+        print("  coefficients", np.array2string(each.coefficients, precision=5, separator=", "))
+        print("  errors      ", np.array2string(np.sqrt(np.diag(each.covariance)), precision=2, separator=", "))
+        print(
+            f"  scatter {each.scatter:.4f}, misses {each.missed:.4f} (rms), of unseen configurations {each.unseen:.4f}"
+        )
+    if options.module is not None:
+        options.module.write_text(module_text(A, U, found), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -160,7 +160,7 @@ def settle(
     ranks
         MPI ranks of LAMMPS.
     output
-        File to write; the suffix says the format (.h5, .csv).
+        File to write; the suffix says the format: .h5, .vtp, .csv and others of docs/formats.md.
     dry_run
         Say what LAMMPS would be given; run nothing.
     """
@@ -229,7 +229,7 @@ def view_factors(
     Parameters
     ----------
     file
-        The packing: bedrad HDF5 or CSV, LAMMPS or LIGGGHTS dump.
+        The packing: a file of any format of docs/formats.md.
     tolerance
         Trace until every standard error is below this; 1e-3 if --rays is not given either.
     rays
@@ -298,6 +298,7 @@ def predict(
     contacts_per_area: PerArea | None = None,
     nc_distance: float | None = None,
     view_factor: Annotated[tuple[float, ...], Parameter(negative=())] = (),
+    correlation: Literal["watkins", "bedrad"] = "watkins",
     bulk: Literal["auto", "table 5.2", "zbs"] = "auto",
     bulk_packing_fraction: float = 0.63,
     emissivity: float = 0.8,
@@ -323,7 +324,10 @@ def predict(
     nc_distance
         Measured distance of the no-contact particles from the wall, in radii, with the two above; 0.22 if not given.
     view_factor
-        View factor to a layer, once for each layer from the wall; 0.80, 0.18, 0.02 if not given.
+        View factor to a layer, once for each layer from the wall; by --correlation if not given.
+    correlation
+        Whose flows are taken for wall layer and view factors that are not given: Watkins' (0.80, 0.18, 0.02 at any
+        velocity, no errors) or bedrad's own, with errors (docs/flow_study.md).
     bulk
         Bulk conductivity: the measured fits where there is one for the particles, or a model.
     bulk_packing_fraction
@@ -347,7 +351,7 @@ def predict(
     elif (packing_fraction, contacts_per_area, nc_distance) != (None, None, None):
         raise ValueError("give --packing-fraction and --contacts-per-area together, and --nc-distance with them only")
     factors = prediction.ViewFactors(view_factor) if view_factor else None  # type: ignore[arg-type]
-    found = prediction.predict(system, list(temperature), layer, factors, bulk)
+    found = prediction.predict(system, list(temperature), layer, factors, bulk, correlation)
     say(str(found))
 
 

@@ -13,6 +13,7 @@ from bedrad.heat.ranges import RangeWarning
 
 if TYPE_CHECKING:
     from bedrad.heat import bulk as bulk
+    from bedrad.heat import flow_correlations as flow_correlations
     from bedrad.heat import gas as gas
     from bedrad.heat import materials as materials
     from bedrad.heat import prediction as prediction
@@ -21,11 +22,22 @@ if TYPE_CHECKING:
     from bedrad.heat import two_layer as two_layer
     from bedrad.heat import wall_layer as wall_layer
 
-_SUBMODULES = ("bulk", "gas", "materials", "prediction", "radiation", "systems", "two_layer", "wall_layer")
+_SUBMODULES = (
+    "bulk",
+    "flow_correlations",
+    "gas",
+    "materials",
+    "prediction",
+    "radiation",
+    "systems",
+    "two_layer",
+    "wall_layer",
+)
 
 __all__ = [
     "RangeWarning",
     "bulk",
+    "flow_correlations",
     "gas",
     "materials",
     "prediction",

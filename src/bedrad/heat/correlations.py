@@ -18,6 +18,7 @@ __all__ = [
     "FITTED_VELOCITIES",
     "STANDARD_GRAVITY",
     "contact_ratio",
+    "dimensionless_velocity",
     "maximum_contacts",
     "packing_fraction",
     "warn_outside_fit",
@@ -39,7 +40,8 @@ def warn_outside_fit(what: str, diameter_ratio: ArrayLike, velocity: ArrayLike) 
     warn_outside(f"{what}: velocity", velocity, *FITTED_VELOCITIES, "m/s")
 
 
-def _dimensionless_velocity(velocity: ArrayLike, particle_diameter: ArrayLike) -> FloatArray:
+def dimensionless_velocity(velocity: ArrayLike, particle_diameter: ArrayLike) -> FloatArray:
+    """U/sqrt(g d) from a velocity [m/s] and a particle diameter [m]."""
     speed = non_negative("velocity", velocity, "m/s")
     diameter = positive("particle_diameter", particle_diameter, "m")
     return np.asarray(speed / np.sqrt(STANDARD_GRAVITY * diameter))
@@ -80,7 +82,7 @@ def packing_fraction(
         Outside diameter ratios 12.9 to 36.4 or velocities 0.002 to 0.25 m/s.
     """
     A = positive("diameter_ratio", diameter_ratio)
-    speed = _dimensionless_velocity(velocity, particle_diameter)
+    speed = dimensionless_velocity(velocity, particle_diameter)
     if warn:
         warn_outside_fit("packing_fraction (Watkins 2018, eq. 38)", A, velocity)
     fraction = 0.43 - 2.0 / (3.0 * A * A) - (0.003 + 0.25 / A) * speed
@@ -126,7 +128,7 @@ def contact_ratio(
         Outside diameter ratios 12.9 to 36.4 or velocities 0.002 to 0.25 m/s.
     """
     A = positive("diameter_ratio", diameter_ratio)
-    speed = _dimensionless_velocity(velocity, particle_diameter)
+    speed = dimensionless_velocity(velocity, particle_diameter)
     if warn:
         warn_outside_fit("contact_ratio (Watkins 2018, eq. 40)", A, velocity)
     return plain((1.6 / A**0.09 - 0.6) * np.exp(-(0.07 + 175.0 / A**2.55) * speed))

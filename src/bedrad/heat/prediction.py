@@ -14,6 +14,7 @@ from bedrad.heat.systems import (
     TABLE_5_1,
     Bulk,
     BulkModel,
+    Correlation,
     System,
     ViewFactors,
     WallLayer,
@@ -25,6 +26,7 @@ __all__ = [
     "TABLE_5_1",
     "Bulk",
     "BulkModel",
+    "Correlation",
     "Prediction",
     "System",
     "ViewFactors",
@@ -187,6 +189,7 @@ def predict(
     wall_layer: WallLayer | None = None,
     view_factors: ViewFactors | None = None,
     bulk: Bulk | BulkModel = "auto",
+    correlation: Correlation = "watkins",
 ) -> Prediction:
     """Heat transfer coefficient and Nusselt number of the developed flow, with radiation and without.
 
@@ -205,9 +208,12 @@ def predict(
     wall_layer : WallLayer, optional
         What fills the wall layer; by correlation if left out.
     view_factors : ViewFactors, optional
-        View factors from the wall; the published ones (Table 5.3) if left out.
+        View factors from the wall; the published ones (Table 5.3), or by bedrad's correlation, if left out.
     bulk : Bulk or {"auto", "table 5.2", "zbs"}
         Bulk conductivity at the wall temperatures, or how to get it, see `bulk_conductivity`.
+    correlation : {"watkins", "bedrad"}
+        Whose flows are taken for what is left out: the publication's, without errors, or bedrad's own, with errors
+        (`flow_correlations.estimate`).
 
     Returns
     -------
@@ -225,8 +231,8 @@ def predict(
         Outside the range of the correlations or of Table 5.2, and where the void share of k_wa is negative.
     """
     T = positive("wall_temperature", wall_temperature, "K")
-    layer = WallLayer.from_correlations(system) if wall_layer is None else wall_layer
-    factors = ViewFactors.watkins() if view_factors is None else view_factors
+    layer = WallLayer.from_correlations(system, correlation) if wall_layer is None else wall_layer
+    factors = ViewFactors.from_correlations(system, correlation) if view_factors is None else view_factors
     k_b = bulk_conductivity(system, T, bulk) if isinstance(bulk, str) else _matched(bulk, T)
     fixed = _Fixed(system, layer, T, air_conductivity(T), k_b)
     inputs = np.array([layer.packing_fraction, layer.contacts_per_area, layer.nc_distance, *factors.to_layers])

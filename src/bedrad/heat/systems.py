@@ -10,14 +10,35 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bedrad.heat import bulk as bulk_models
-from bedrad.heat import correlations, radiation, wall_layer
+from bedrad.heat import correlations, flow_correlations, radiation, wall_layer
+from bedrad.heat.flow_correlations import Quantity
 from bedrad.heat.gas import air_conductivity
 from bedrad.heat.materials import ZIRCONIA_SILICA
 from bedrad.heat.ranges import FloatArray, RangeWarning, non_negative, plain, positive, within
 
-__all__ = ["TABLE_5_1", "Bulk", "BulkModel", "System", "ViewFactors", "WallLayer", "bulk_conductivity"]
+__all__ = [
+    "TABLE_5_1",
+    "Bulk",
+    "BulkModel",
+    "Correlation",
+    "System",
+    "ViewFactors",
+    "WallLayer",
+    "bulk_conductivity",
+    "check_correlation",
+]
 
 BulkModel = Literal["auto", "table 5.2", "zbs"]
+
+Correlation = Literal["watkins", "bedrad"]
+"""Whose flows the wall layer and the view factors are taken from where they were not measured."""
+
+
+def check_correlation(correlation: str) -> str:
+    """Return the name of a correlation; ValueError if there is none of that name."""
+    if correlation not in ("watkins", "bedrad"):
+        raise ValueError(f"correlation is {correlation!r}; expected 'watkins' or 'bedrad'")
+    return correlation
 
 
 @dataclass(frozen=True)
@@ -121,18 +142,41 @@ class WallLayer:
             )
 
     @classmethod
-    def from_correlations(cls, system: System) -> WallLayer:
-        """Fill the layer by the correlations (Watkins 2018, eq. 38-41); warns once outside their range.
+    def from_correlations(cls, system: System, correlation: Correlation = "watkins") -> WallLayer:
+        """Fill the layer by correlations; warns once outside their range.
 
-        The standard errors are left at zero: the source gives largest deviations (5 % for phi_wa, 16 % for
-        n_C, together less than 7 % of k_wa), not standard errors.
+        Parameters
+        ----------
+        system : System
+            Tube and particles.
+        correlation : {"watkins", "bedrad"}
+            Watkins (2018), eq. 38-41, or the fits to bedrad's own flows, `flow_correlations.estimate`. The first leave
+            the standard errors at zero: their source gives largest deviations (5 % for phi_wa, 16 % for n_C, together
+            less than 7 % of k_wa), not standard errors.
+
+        Raises
+        ------
+        ValueError
+            If the correlation is unknown.
         """
         A, d, U = system.diameter_ratio, system.particle_diameter, system.velocity
+        most = float(correlations.maximum_contacts(A, d))
+        if check_correlation(correlation) == "bedrad":
+            flow_correlations.warn_outside_fit(A, U, d)
+            names: tuple[Quantity, ...] = ("packing_fraction", "contact_ratio", "nc_distance")
+            solid, contacts, gap = (flow_correlations.estimate(name, A, U, d, warn=False) for name in names)
+            return cls(
+                packing_fraction=float(solid[0]),
+                contacts_per_area=float(contacts[0]) * most,
+                nc_distance=float(gap[0]),
+                packing_fraction_error=float(solid[1]),
+                contacts_per_area_error=float(contacts[1]) * most,
+                nc_distance_error=float(gap[1]),
+            )
         correlations.warn_outside_fit("wall-layer correlations (Watkins 2018, eq. 38, 40)", A, U)
-        ratio = correlations.contact_ratio(A, U, d, warn=False)
         return cls(
             packing_fraction=float(correlations.packing_fraction(A, U, d, warn=False)),
-            contacts_per_area=float(ratio * correlations.maximum_contacts(A, d)),
+            contacts_per_area=float(correlations.contact_ratio(A, U, d, warn=False)) * most,
             form="simplified",
         )
 
@@ -183,6 +227,22 @@ class ViewFactors:
     def watkins(cls) -> ViewFactors:
         """Take the published factors 0.80, 0.18, 0.02 (Watkins 2018, Table 5.3), without errors."""
         return cls(np.array(radiation.WATKINS_FACTORS))
+
+    @classmethod
+    def from_correlations(cls, system: System, correlation: Correlation = "watkins") -> ViewFactors:
+        """Take the published factors, or those of bedrad's own flows against diameter ratio and velocity.
+
+        Raises
+        ------
+        ValueError
+            If the correlation is unknown.
+        """
+        if check_correlation(correlation) == "watkins":
+            return cls.watkins()
+        names: tuple[Quantity, ...] = ("view_factor_1", "view_factor_2", "view_factor_3")
+        inputs = system.diameter_ratio, system.velocity, system.particle_diameter
+        found = [flow_correlations.estimate(name, *inputs, warn=False) for name in names]
+        return cls(*(np.array([float(pair[k]) for pair in found]) for k in (0, 1)))
 
 
 @dataclass(frozen=True, eq=False)
