@@ -46,12 +46,17 @@ def test_hot_tube_as_a_shorter_and_coarser_job(tmp_path):
     np.testing.assert_array_equal(measured["view_factors"], factors["layers"])
 
 
+def load(name):
+    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
+    example = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(example)
+    return example
+
+
 @pytest.mark.dem
 def test_python_interface(capsys):
     """The general form of k_wa is published to lie within 1 % of the exact cylinder (Watkins 2018, after eq. 42)."""
-    spec = importlib.util.spec_from_file_location("python_interface", EXAMPLES / "python_interface.py")
-    example = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(example)
+    example = load("python_interface")
     packing, total = example.main()
     assert "solid fraction" in capsys.readouterr().out
     stats = bedrad.statistics(packing)
@@ -68,3 +73,22 @@ def test_python_interface(capsys):
     )
     radiative = heat.radiation.conductivity(factors.layers, 600e-6, example.WALL_TEMPERATURE)
     assert total - radiative == pytest.approx(exact, rel=0.01)
+
+
+@pytest.mark.dem
+def test_flow_statistics_of_a_shorter_flow(capsys):
+    """Means over frames against single frames, and against other rays."""
+    with pytest.warns(UserWarning, match="short of independent structures"):
+        flow, stats, shares, errors = load("flow_statistics").main(frames=3, flush=1.0)
+    printed = capsys.readouterr().out
+    assert f"layer 1    {shares[0]:.4f} ± {errors[0]:.4f}" in printed
+    # windows of equal volume: the solid fraction of all frames together is the mean of theirs
+    alone = [bedrad.statistics(bed, stats.edges, window=flow.window) for bed in flow]
+    assert stats.packing_fraction == pytest.approx(np.mean([one.packing_fraction for one in alone]), rel=1e-12)
+    assert shares.sum() == pytest.approx(1, abs=1e-12)
+    rays = [bedrad.view_factors(bed, stats.edges, tolerance=2e-3, seed=100, window=flow.window) for bed in flow]
+    other = np.mean([[*one.layers, one.beyond, one.wall, one.escaped] for one in rays], axis=0)
+    # two means over three frames, each of an error below 2e-3, and six shares: one false alarm in 10^5
+    assert np.abs(shares - other).max() < 4.8 * 2e-3 * np.sqrt(2 / 3)
+    # frames half a diameter apart tell little more than one: the error is that of a bed, not of the rays
+    assert errors[0] > 2e-3

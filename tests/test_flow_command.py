@@ -52,13 +52,13 @@ def test_packings_and_tables_are_written(tmp_path: Path, capsys: pytest.CaptureF
     assert "short of independent structures" in told.err
     names = sorted(path.name for path in output.parent.iterdir())
     # the folder that LAMMPS ran in has gone
-    assert names == ["bed_0000.h5", "bed_0001.h5", "bed_flow.csv", "bed_profile.csv"]
+    assert names == ["bed_0000.h5", "bed_0001.h5", "bed_flow.csv", "bed_velocity.csv"]
     frames = list(bedrad.read_frames(str(output.parent / "bed_*.h5")))
     assert len(frames) == 2
     with (output.parent / "bed_flow.csv").open(newline="") as stream:
         (row,) = csv.DictReader(stream)
     assert float(row["velocity [m/s]"]) == frames[0].provenance["mean_velocity_m_per_s"]
-    with (output.parent / "bed_profile.csv").open(newline="") as stream:
+    with (output.parent / "bed_velocity.csv").open(newline="") as stream:
         assert len(list(csv.DictReader(stream))) == 5
 
 

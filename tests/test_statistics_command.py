@@ -205,7 +205,7 @@ def test_a_pattern_is_all_its_files(call, undrawn, flow, tmp_path, elsewhere):
     _, beds = flow
     for k, bed in enumerate(beds):
         write_dump(tmp_path / f"part_{k}.dump", [bed])
-    code, out, _ = call("statistics", tmp_path / "part_*.dump", *TUBE, "--all-frames")
+    code, out, _ = call("statistics", tmp_path / "part_*.dump", *TUBE)
     assert (code, "mean over 3 frames" in out) == (0, True)
     assert named(elsewhere, "part") == EVERYTHING
 

@@ -39,7 +39,7 @@ def convergence(
     Parameters
     ----------
     file
-        The packing: bedrad HDF5 or CSV, LAMMPS or LIGGGHTS dump.
+        The packing: a file of any format of docs/formats.md.
     tolerance
         Error of the view factor to the first layer to which run times are given.
     budget

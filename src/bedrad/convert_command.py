@@ -29,9 +29,9 @@ def convert(
     Parameters
     ----------
     source
-        The packing: a file of any format that is read. With --all-frames also a folder, or a pattern in quotes.
+        The packing: a file of any format of docs/formats.md. With --all-frames also a folder, or a pattern in quotes.
     target
-        The file to write; the suffix says the format.
+        The file to write; the suffix says the format: .h5, .vtp, .csv and others of docs/formats.md.
     all_frames
         Write every frame, numbered from 0, to a file of its own: bed.h5 becomes bed_0000.h5, bed_0001.h5 and so on.
     dry_run

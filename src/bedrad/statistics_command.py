@@ -55,7 +55,8 @@ def statistics(
     Parameters
     ----------
     file
-        The packing: bedrad HDF5 or CSV, LAMMPS or LIGGGHTS dump. With --all-frames also a folder or a pattern.
+        The packing: a file of any format of docs/formats.md. Also a pattern in
+        quotes, or with --all-frames a folder.
     more
         Further files; all frames of all files are then averaged.
     contact_gap
@@ -78,11 +79,12 @@ def statistics(
     """
     import bedrad
     from bedrad.jobs.comparison import check_comparable, compare_with_correlations
+    from bedrad.packings.files.sources import is_pattern
     from bedrad.packings.unrolled_wall import unrolled_wall
     from bedrad.report.statistics_screen import statistics_screen
 
     options = bed_options or BedOptions()
-    several = all_frames or bool(more)
+    several = all_frames or bool(more) or is_pattern(file)
     if several and output is not None and (more or not file.is_file()):
         raise ValueError("-o keeps the results of one file with its checksum; leave it out for several files")
     if several:

@@ -9,37 +9,30 @@ import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, model_validator
 
 from bedrad.errors import BadFileError
-from bedrad.jobs.units import Conductivity, Density, Length, Stiffness, Temperature, Velocity, shortened
+from bedrad.jobs.file_section import FileSection
+from bedrad.jobs.section import (
+    BelowOne,
+    Count,
+    NotNegative,
+    Positive,
+    PositiveInt,
+    PositiveLength,
+    PositiveTemperature,
+    Section,
+    Seed,
+    UpToOne,
+    YesNo,
+)
+from bedrad.jobs.units import Conductivity, Density, Stiffness, Velocity, shortened
 from bedrad.walls import Plate, Rod, Tube, Wall
 
 __all__ = ["Job", "load_job", "parse_job"]
 
-PositiveInt = Annotated[int, Field(gt=0, strict=True)]
-Count = Annotated[int, Field(gt=0, le=10_000, strict=True)]
-# HDF5 keeps integers of 64 bits, and texts, such as the whole job, of 64 KiB
-Seed = Annotated[int, Field(ge=0, lt=2**63, strict=True)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False, strict=True)]
-BelowOne = Annotated[float, Field(gt=0, lt=1, strict=True)]
-UpToOne = Annotated[float, Field(gt=0, le=1, strict=True)]
-YesNo = Annotated[bool, Field(strict=True)]
-PositiveLength = Annotated[Length, Field(gt=0)]
-PositiveTemperature = Annotated[Temperature, Field(gt=0)]
 
-
-def _form(value: object) -> str:
-    """Tag of the alternative that a value is meant as, so that only that one's errors are told."""
-    return "<list>" if isinstance(value, (list, tuple)) else "<one>"
-
-
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class WallSection(_Section):
+class WallSection(Section):
     """The wall: its shape, and its diameter unless it is flat."""
 
     shape: Literal["tube", "rod", "plate"] = "tube"
@@ -58,14 +51,14 @@ class WallSection(_Section):
         return Tube(self.diameter / 2) if self.shape == "tube" else Rod(self.diameter / 2)
 
 
-class Size(_Section):
+class Size(Section):
     """One size of a size distribution."""
 
     diameter: PositiveLength
     share: Positive
 
 
-class SettleSection(_Section):
+class SettleSection(Section):
     """A bed settled by the discrete-element method."""
 
     height: PositiveLength
@@ -85,20 +78,7 @@ class SettleSection(_Section):
         return self
 
 
-class FileSection(_Section):
-    """A bed read from a file."""
-
-    path: Path
-    diameter: PositiveLength | None = None
-    period: Annotated[
-        Annotated[PositiveLength | None, Tag("<one>")]
-        | Annotated[tuple[PositiveLength, PositiveLength], Tag("<list>")],
-        Discriminator(_form),
-    ] = None
-    frame: Annotated[int, Field(strict=True)] = -1
-
-
-class PackingSection(_Section):
+class PackingSection(Section):
     """Where the bed comes from: one of `settle` and `file`."""
 
     settle: SettleSection | None = None
@@ -111,20 +91,20 @@ class PackingSection(_Section):
         return self
 
 
-class LayersSection(_Section):
+class LayersSection(Section):
     """How the bed is cut: a wall layer one radius deep, the others one diameter deep."""
 
     count: Count = 3
     margin: NotNegative = 4.0
 
 
-class StatisticsSection(_Section):
+class StatisticsSection(Section):
     """Measured packing statistics; the gap counts as contact, in particle radii."""
 
     contact_gap: NotNegative = 1e-2
 
 
-class ViewFactorsSection(_Section):
+class ViewFactorsSection(Section):
     """Ray-traced view factors, to a standard error or with a number of rays."""
 
     tolerance: Positive | None = None
@@ -137,7 +117,7 @@ class ViewFactorsSection(_Section):
         return self
 
 
-class ConvergenceSection(_Section):
+class ConvergenceSection(Section):
     """Error of the view factors against run time, on this bed."""
 
     rays: PositiveInt = 2**20
@@ -153,7 +133,7 @@ class ConvergenceSection(_Section):
         return self
 
 
-class TemperatureRange(_Section):
+class TemperatureRange(Section):
     """Evenly spaced wall temperatures."""
 
     lowest: PositiveTemperature
@@ -168,7 +148,7 @@ class TemperatureRange(_Section):
         return [self.lowest + k * step for k in range(self.count)]
 
 
-class PredictionSection(_Section):
+class PredictionSection(Section):
     """Heat transfer by the two-layer model, against the wall temperature."""
 
     wall_temperatures: Annotated[
@@ -192,14 +172,14 @@ class PredictionSection(_Section):
         return self
 
 
-class OutputSection(_Section):
+class OutputSection(Section):
     """What is written beside the results file."""
 
     tables: YesNo = True
     figures: YesNo = True
 
 
-class Job(_Section):
+class Job(Section):
     """A checked job.
 
     Attributes
@@ -235,14 +215,23 @@ class Job(_Section):
             raise ValueError(f"[{measured[0]}] needs a [packing]")
         if measured and self.packing is not None and self.packing.settle is not None and self.wall is not None:
             self._check_size(self.packing.settle, self.wall)
-        if self.prediction is not None:
-            if self.wall is not None and self.wall.shape != "tube":
-                raise ValueError(f"[prediction] is for flow in a tube; the wall is a {self.wall.shape}")
-            if self.packing is None and (self.wall is None or self.prediction.particle_diameter is None):
-                raise ValueError("[prediction] without a [packing] needs a [wall] and a particle_diameter")
+        self._check_wall()
         if self.prediction is None and self.packing is None:
             raise ValueError("nothing to do: give a [packing] or a [prediction]")
         return self
+
+    def _check_wall(self) -> None:
+        """Refuse two walls, and a prediction for what is no tube or has no wall at all."""
+        fitted = None if self.packing is None or self.packing.file is None else self.packing.file.wall
+        if self.wall is not None and fitted is not None:
+            raise ValueError("give the wall by a [wall] or by packing.file.wall, not both")
+        if self.prediction is None:
+            return
+        shape = fitted if self.wall is None else self.wall.shape
+        if shape in ("rod", "plate"):
+            raise ValueError(f"[prediction] is for flow in a tube; the wall is a {shape}")
+        if self.packing is None and (self.wall is None or self.prediction.particle_diameter is None):
+            raise ValueError("[prediction] without a [packing] needs a [wall] and a particle_diameter")
 
     def _check_size(self, settle: SettleSection, wall: WallSection) -> None:
         """Refuse what could only fail after the settling: layers or margins that the bed has no room for."""
@@ -307,7 +296,7 @@ def parse_job(text: str, file: Path) -> Job:
     except ValidationError as error:
         raise BadFileError("\n".join(f"{file}: {line}" for line in _problems(error))) from None
     if job.packing is not None and job.packing.file is not None:
-        bed = job.packing.file.model_copy(update={"path": file.parent / job.packing.file.path})
+        bed = job.packing.file.in_folder(file.parent)
         job = job.model_copy(update={"packing": job.packing.model_copy(update={"file": bed})})
     return job
 

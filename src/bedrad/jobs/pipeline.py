@@ -173,6 +173,8 @@ def _wanted(job: Job) -> dict[str, tuple[dict[str, Any], str]]:
         if job.packing.file is not None:
             # the content counts, not the place
             source["file"]["path"] = sha256_of(job.packing.file.path)
+            if job.packing.file.wall_file is not None:
+                source["file"]["wall"] = sha256_of(job.packing.file.wall_file)
             summary = f"read {job.packing.file.path}"
         else:
             assert job.packing.settle is not None  # noqa: S101 - checked with the job
@@ -221,4 +223,4 @@ def _lammps_version() -> str:
 def _input_digests(job: Job) -> dict[str, str]:
     if job.packing is None or job.packing.file is None:
         return {}
-    return {str(job.packing.file.path): sha256_of(job.packing.file.path)}
+    return {str(path): sha256_of(path) for path in job.packing.file.inputs}

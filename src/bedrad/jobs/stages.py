@@ -50,8 +50,7 @@ def run_packing(job: Job, results: Results, progress: Progress) -> Fill:  # noqa
     assert source is not None  # noqa: S101 - the plan has this stage only with the section
     wall = None if job.wall is None else job.wall.build()
     if source.file is not None:
-        file = source.file
-        bed = read(file.path, wall, diameter=file.diameter, period=file.period, frame=file.frame)
+        bed = read(source.file.path, source.file.wall if wall is None else wall, **source.file.options())
     else:
         assert source.settle is not None  # noqa: S101 - checked with the job
         assert wall is not None  # noqa: S101 - checked with the job

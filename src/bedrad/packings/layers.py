@@ -130,7 +130,9 @@ def block_count(packing: Packing, window: Window, most: int = 8) -> int:
     """Number of axial blocks for errors: at most `most`, each at least `SHORTEST_BLOCK` mean diameters long."""
     if not len(packing):
         return 1
-    return int(min(most, max(1, window.length // (SHORTEST_BLOCK * packing.mean_diameter))))
+    # a window of just so many blocks has as many in every frame, whatever the rounding of its ends
+    room = window.length / (SHORTEST_BLOCK * packing.mean_diameter) * (1.0 + 1e-9)
+    return int(min(most, max(1.0, room)))
 
 
 def layer_volumes(

@@ -11,7 +11,7 @@ __all__ = ["write_flow_tables"]
 
 
 def write_flow_tables(found: Flow, stem: Path) -> list[Path]:
-    """Write ``<stem>_flow.csv`` and ``<stem>_profile.csv``.
+    """Write ``<stem>_flow.csv`` and ``<stem>_velocity.csv``.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def write_flow_tables(found: Flow, stem: Path) -> list[Path]:
         If a table cannot be written; no half-written file stays behind.
     """
     written = []
-    for name, table in {"flow": _measures(found), "profile": _profile(found)}.items():
+    for name, table in {"flow": _measures(found), "velocity": _velocities(found)}.items():
         path = stem.with_name(f"{stem.name}_{name}.csv")
         write_table(path, table)
         written.append(path)
@@ -71,7 +71,7 @@ def _measures(found: Flow) -> Table:
     return {heading: [value] for heading, value in row.items()}
 
 
-def _profile(found: Flow) -> Table:
+def _velocities(found: Flow) -> Table:
     profile = found.measures.profile
     return {
         "inner radius [m]": profile.radii[:-1].tolist(),
