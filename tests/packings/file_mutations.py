@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from bedrad import BadFileError, Tube
 from bedrad.packings.files import read_frames
 
+_WORDS = (b"nan", b"1e999", b"9" * 25, "µ".encode(), b"\n\n", b" 2 0 ")
 _BYTES = st.sampled_from([*b"0179-+.eE \t\n#\"'{}[]:=/xX", 0, 0xFF, 0x80])
 
 
@@ -20,7 +21,7 @@ def mutated(draw: st.DrawFn, samples: list[bytes]) -> bytes:
     for _ in range(draw(st.integers(1, 4))):
         at = draw(st.integers(0, len(data)))
         length = draw(st.integers(1, 40))
-        change = draw(st.sampled_from(["cut", "lose", "repeat", "replace", "insert"]))
+        change = draw(st.sampled_from(["cut", "lose", "repeat", "replace", "insert", "word"]))
         if change == "cut":
             del data[at:]
         elif change == "lose":
@@ -29,6 +30,8 @@ def mutated(draw: st.DrawFn, samples: list[bytes]) -> bytes:
             data[at:at] = data[at : at + length]
         elif change == "replace":
             data[at : at + 1] = bytes([draw(_BYTES)])
+        elif change == "word":
+            data[at : at + draw(st.integers(0, 12))] = draw(st.sampled_from(_WORDS))
         else:
             data[at:at] = bytes(draw(st.lists(_BYTES, min_size=1, max_size=5)))
     return bytes(data)

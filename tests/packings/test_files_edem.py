@@ -227,7 +227,7 @@ BROKEN: list[tuple[Change, str]] = [
     (replaced(f"{TYPE}/scale", np.ones(2)), r"scale has the shape \(2,\); expected \(3,\)"),
     (replaced(f"{TYPE}/scale", -np.ones(3)), r"sphere 0: radius -0\.0005.* m; expected a positive"),
     (replaced(f"{TYPE}/scale", h5py.Empty("f8")), r"scale has the shape None; expected \(3,\)"),
-    (replaced(f"{TYPE}/ids", np.array([1, 2, 2])), "two particles have the id 2"),
+    (replaced(f"{TYPE}/ids", np.array([1, 2, 2])), "particles 1 and 2: both have the id 2"),
     (replaced(f"{TYPE}/ids", np.ones(3)), "ids holds float64; expected numbers"),
     (replaced(f"{CREATOR}/spheres", spheres(0.0005, (0.001, 0, 0))), r"shape \(2,\); only particles that are one"),
     (replaced(f"{CREATOR}/spheres", spheres(0.0)), "the physical radius is 0.0 m; expected a positive number"),

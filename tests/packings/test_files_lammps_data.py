@@ -248,7 +248,7 @@ def test_what_looks_like_a_data_file(text: str, taken: bool) -> None:
             r"line 10: 'Atoms' names no style, and line 12 \(7 fields, the",
         ),
         (HEAD + "Atoms\n\n1 1 0 0 0\n2 1 0 0 1\n", r"line 10: 'Atoms' names no style, and line 12 \(5 fields"),
-        (HEAD + "Atoms\n\n1 1\n2 1\n", r"line 10: 'Atoms' names no style, and line 12 \(2 fields, the third 'missing'"),
+        (HEAD + "Atoms\n\n1 1\n2 1\n", r"line 10: 'Atoms' names no style, and line 12 \(2 fields, the third missing"),
         (broken("sphere\n\n9", "sphere\n9"), r"line 11: expected a blank line after 'Atoms'"),
         (broken("-2 3 zlo zhi", "-2 3 zlo zhi\n0 0.1 0 xy xz yz"), r"line 9: a triclinic box; only boxes with right"),
         (broken("-1 1 xlo xhi", "-1 1 xlo xhi\n1 0 0 avec"), r"line 7: a triclinic box"),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bedrad import BadFileError, Plate, Rod, Tube, read
-from bedrad.packings.files import byte_lines, lammps_dump, read_frames
+from bedrad.packings.files import lines, read_frames, rows
 
 DATA = Path(__file__).parents[1] / "data" / "lammps_dumps"
 TUBE = Tube(0.002)
@@ -154,8 +154,8 @@ def many(frames: int, count: int) -> str:
 def test_blocks_and_chunks_leave_no_seam(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, packed: bool, frame: int
 ) -> None:
-    monkeypatch.setattr(byte_lines, "_BLOCK", 64)
-    monkeypatch.setattr(lammps_dump, "ROWS_AT_ONCE", 7)
+    monkeypatch.setattr(lines, "_BLOCK", 64)
+    monkeypatch.setattr(rows, "_ROWS_AT_ONCE", 7)
     text = many(5, 40)
     path = tmp_path / ("bed.dump.gz" if packed else "bed.dump")
     # the last line without its end, as a killed run may leave it
@@ -173,7 +173,7 @@ def test_earlier_frames_are_counted_and_not_read(tmp_path: Path) -> None:
 
 
 def test_an_error_deep_in_a_long_frame_has_its_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(lammps_dump, "ROWS_AT_ONCE", 7)
+    monkeypatch.setattr(rows, "_ROWS_AT_ONCE", 7)
     for wrong, message in (("31 0.0 0 6x 1", "z is '6x'"), ("31 0.0 0 62", "4 fields"), ("31 0 0 62 1 1", "6 fields")):
         text = many(1, 40).replace("31 0.0 0 62 1", wrong)
         with pytest.raises(BadFileError, match=f"line 15: {message}"):

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from bedrad import BadFileError, Tube, read
+from bedrad import BadFileError, Rod, Tube, read
 from bedrad.packings.files.npz import looks_like_npz
 from packings.file_mutations import mutated, takes_or_refuses
 
@@ -52,14 +52,47 @@ def test_a_cylinder_of_spheropack() -> None:
     with np.load(DATA / "cylinder.npz", allow_pickle=False) as arrays:
         positions, radii = arrays["positions"], arrays["radii"]
     # the container is a tube of diameter 5 around x = y = 2.5, periodic over 6
-    packing = read(DATA / "cylinder.npz", Tube(2.5), max_overlap=1e-9)
+    packing = read(DATA / "cylinder.npz", max_overlap=1e-9)
+    assert packing.wall == Tube(2.5)
+    assert "wall_origin" not in packing.provenance
     assert packing.centers.tobytes() == (positions - [2.5, 2.5, 0.0]).tobytes()
     assert packing.radii.tobytes() == radii.tobytes()
     assert packing.period == 6.0
     assert packing.provenance["program"] == "spheropack"
     assert packing.provenance["container"] == "cylinder of radius 2.5, its middle moved to 0"
-    small = read(DATA / "cylinder.npz", Tube(2.5e-3), unit="mm")
-    assert small.period == pytest.approx(6e-3, rel=1e-15)
+    assert packing.provenance["length_unit"] == "m, assumed"
+
+
+def test_the_wall_of_spheropack_has_the_unit_that_is_given() -> None:
+    packing = read(DATA / "cylinder.npz", unit="mm")
+    assert isinstance(packing.wall, Tube)
+    assert packing.wall.radius == pytest.approx(2.5e-3, rel=1e-15)
+    assert packing.period == pytest.approx(6e-3, rel=1e-15)
+    # a wall that is given is in metres, and the period remains
+    other = read(DATA / "cylinder.npz", Tube(3e-3), unit="mm")
+    assert (other.wall, other.period) == (Tube(3e-3), packing.period)
+    assert read(DATA / "cylinder.npz", Rod(1e-9), unit="mm", max_overlap=2.0).period is None
+
+
+@pytest.mark.parametrize(("axis", "order"), [(0, [1, 2, 0]), (1, [2, 0, 1]), (2, [0, 1, 2])])
+def test_a_cylinder_along_any_axis(tmp_path: Path, axis: int, order: list[int]) -> None:
+    # what lies along the axis of the cylinder is z of the packing, the period too
+    ball = {"axes": [k != axis for k in range(3)], "center": [0.0] * 3, "radius": 5.0}
+    ball["center"] = [0.25 if k != axis else 7.0 for k in range(3)]
+    container = {"lengths": [3.0, 4.0, 5.0], "periodic": [k == axis for k in range(3)], "ball": ball}
+    meta = json.dumps({"format": "spheropack-1", "container": container})
+    packing = read(put(tmp_path, positions=CENTERS, radii=RADII, meta=np.array(meta)))
+    assert (packing.wall, packing.period) == (Tube(5.0), [3.0, 4.0, 5.0][axis])
+    np.testing.assert_allclose(packing.centers[:, 2], CENTERS[:, order[2]] % packing.period)
+    across = np.hypot(*(CENTERS[:, order[:2]] - 0.25).T)
+    np.testing.assert_allclose(np.hypot(*packing.centers[:, :2].T), across)
+
+
+def test_small_integers_do_not_grow_beyond_measure(tmp_path: Path) -> None:
+    # 15 MB of zeros, which 15 kB hold, and 120 MB as doubles
+    np.savez_compressed(tmp_path / "a.npz", positions=np.zeros((5_000_000, 3), np.int8))
+    with pytest.raises(BadFileError, match=r"array 'positions' claims to hold \(5000000, 3\) numbers in \d+ bytes"):
+        read(tmp_path / "a.npz", TUBE)
 
 
 def test_a_box_of_spheropack() -> None:

@@ -161,7 +161,7 @@ def test_what_looks_like_a_table(text: str, taken: bool) -> None:
         ("x[pc] y[pc] z[pc]\n1 2 3\n", {}, r"line 1: the unit is 'pc'; expected one of m,"),
         (ROWS, {"x": "5"}, r"line 1: x is asked from column '5'; expected 1 to 4, as no header names them"),
         (ROWS, {"x": "0"}, r"line 1: x is asked from column '0'; expected 1 to 4"),
-        (ROWS, {"x": "9" * 5000}, r"line 1: x is asked from column '9+'; expected 1 to 4"),
+        (ROWS, {"x": "9" * 5000}, r"line 1: x is asked from column '9+'[.]{3}; expected 1 to 4"),
         (ROWS, {"x": "px"}, r"line 1: x is asked from column 'px'; expected 1 to 4"),
         ("x y z r\n1 2 3 4\n", {"z": "h"}, r"line 2: z is asked from column 'h'; expected 1 to 4 or one of x, y, z, r"),
         (ROWS, {"x": "2"}, r"line 1: no column y; say which columns they are"),
@@ -180,7 +180,7 @@ def test_refusals_name_the_line(tmp_path: Path, text: str, columns: Mapping[str,
 def test_the_reader_without_columns(tmp_path: Path) -> None:
     held = read_points(put(tmp_path, ROWS))
     assert held.centers.tolist() == CENTERS
-    assert list(held.lines or ()) == [1, 2]
+    assert held.lines.tolist() == [1, 2]
 
 
 @given(mutated([(head + ROWS * 3).encode() for head in ("", "x y z r\n", "# id x y z\n", "x[mm] y[mm] z[mm] d[mm]\n")]))

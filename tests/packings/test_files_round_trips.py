@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bedrad import Packing, Plate, Rod, Tube, read, write
-from bedrad.packings.files import FORMATS, facts, rows
+from bedrad.packings.files import FORMATS, facts, lines, rows
 from bedrad.packings.files.text import first_bytes
 
 DATA = Path(__file__).parents[1] / "data"
@@ -101,9 +101,9 @@ def test_a_provenance_too_long_for_a_line_is_refused(
 def test_blocks_of_rows_make_no_difference(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     bed = beds()[1]
     write(bed, tmp_path / "a.yade")
-    monkeypatch.setattr(rows, "_BLOCK_ROWS", 4)
+    monkeypatch.setattr(rows, "_ROWS_AT_ONCE", 4)
     same(read(tmp_path / "a.yade"), bed)
-    monkeypatch.setattr(rows, "_BLOCK_CHARACTERS", 1)
+    monkeypatch.setattr(lines, "_BLOCK", 1)
     same(read(tmp_path / "a.yade"), bed)
 
 

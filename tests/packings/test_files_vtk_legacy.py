@@ -68,7 +68,7 @@ def check_small(held: Contents) -> None:
     assert held.centers.tolist() == [[0, 0, -1], [0, 0, 2]]
     assert held.radii is not None
     assert held.radii.tolist() == [0.25, 0.5]
-    assert list(held.ids or []) == [4, 9]
+    assert held.ids.tolist() == [4, 9]
 
 
 @pytest.fixture(scope="module")
@@ -100,7 +100,7 @@ def test_files_of_programs(name: str, digits: int | None, plain: Contents) -> No
     assert held.radii is not None
     assert plain.radii is not None
     assert held.radii.tolist() == plain.radii.tolist()
-    assert list(held.ids or []) == list(range(1, 13))
+    assert held.ids.tolist() == list(range(1, 13))
     assert held.provenance == {"file": name, "format": "VTK legacy"} | (
         {"coordinates": "single precision"} if single else {}
     )
@@ -215,7 +215,7 @@ def broken(old: str, new: str) -> str:
             "line 24: array 'radius' has 1 rows of 1; expected one number",
         ),
         (broken("radius 1 2 double", "radius 1 2"), "line 24: 'radius 1 2': 3 words; expected 4 or more"),
-        (broken("9 4\n", "9 9\n"), "points 0 and 1 both have the id 9"),
+        (broken("9 4\n", "9 9\n"), "points 0 and 1: both have the id 9"),
         (broken("9 4\n", "9 4.5\n"), r"id: 4\.5; expected integers of 32 bits"),
         (broken("9 4\n", "9 5000000000\n"), r"id: 5000000000\.0; expected integers of 32 bits"),
         (broken("VERTICES 2 4", "VERTICES 2"), "line 9: 'VERTICES 2': 2 words; expected 3 or more"),

@@ -100,6 +100,6 @@ def test_a_time_in_several_parts_and_folders(tmp_path: Path) -> None:
     put(tmp_path / "deep", parallel("b.vtp"), "b.pvtp")
     path = put(tmp_path, collection("a.vtp", "deep/b.pvtp", "deep\\b.vtp", times="003"), "bed.pvd")
     first, second = iterate_vtk_xml(path)
-    assert list(first.ids or []) == [1, 2, 4, 9]
+    assert first.ids.tolist() == [1, 2, 4, 9]
     assert first.centers[:, 2].tolist() == [5, -1, -1, 2]
     assert (len(second.centers), second.provenance["time"]) == (2, 3.0)

@@ -111,7 +111,7 @@ def test_the_written_text(tmp_path: Path) -> None:
     [
         (HEAD + "0 0 0 0.001\n0 nan 0 0.001\n", r"line 3: y is 'nan'; expected a finite number"),
         (HEAD + "0 0 1e999 0.001\n", r"line 2: z is '1e999'; expected a finite number"),
-        (HEAD + "# a\n\n0 0 0 O.001\n", r"line 4: r is 'O\.001'; expected a number"),
+        (HEAD + "# a\n\n0 0 0 O.001\n", r"line 4: radius is 'O\.001'; expected a number"),
         (HEAD + "0 0 0 0.001\n0 0 0\n", r"line 3: 3 fields; the format 'x_y_z_r' has 4"),
         (HEAD + "0 0 0 0.001 3\n", r"line 2: 5 fields; the format 'x_y_z_r' has 4"),
         (HEAD + "0,0,0,0.001\n", r"line 2: 1 fields; the format 'x_y_z_r' has 4"),
@@ -140,7 +140,7 @@ def test_refusals_name_the_line(tmp_path: Path, text: str, message: str) -> None
 
 
 def test_a_line_without_end_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(BadFileError, match=r"bed\.txt, line 2: longer than \d+ characters"):
+    with pytest.raises(BadFileError, match=r"bed\.txt, line 2: longer than \d+ bytes"):
         read(put(tmp_path, HEAD + "0" * 3_000_000), TUBE)
 
 

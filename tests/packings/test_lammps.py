@@ -150,6 +150,28 @@ def test_ctrl_c_ends_the_process_and_its_children(tmp_path: Path, body: str, mon
     assert gone([int(word) for word in (tmp_path / "pids").read_text().split()])
 
 
+def test_a_folder_takes_one_run_even_if_the_one_outlives_its_parent(tmp_path: Path) -> None:
+    program = fake(tmp_path, "echo $$ > pids\nsleep 60")
+    words = f"from pathlib import Path; from bedrad.packings.lammps import run_lammps; import sys\n\
+run_lammps('', Path({str(tmp_path)!r}), executable={str(program)!r})"
+    parent = subprocess.Popen([sys.executable, "-c", words])
+    pids = tmp_path / "pids"
+    end = time.monotonic() + 30.0
+    while not (pids.exists() and pids.read_text().strip()) and time.monotonic() < end:
+        time.sleep(0.05)
+    parent.kill()
+    parent.wait()
+    child = int(pids.read_text())
+    assert alive(child)
+    try:
+        with pytest.raises(OSError, match="another run of LAMMPS is going on here"):
+            run_lammps("", tmp_path, executable=fake(tmp_path, "exit 0"))
+    finally:
+        os.killpg(child, signal.SIGKILL)
+    assert gone([child])
+    run_lammps("", tmp_path, executable=fake(tmp_path, "exit 0"))
+
+
 @pytest.mark.parametrize("ranks", [0, -1, 1.5, True, "2"])
 def test_ranks_are_checked(tmp_path: Path, ranks: object) -> None:
     with pytest.raises(ValueError, match=r"ranks is .*; expected a positive integer"):

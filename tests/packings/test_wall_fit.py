@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bedrad import Plate, Rod, Tube
-from bedrad.packings.wall_fit import fit_wall
+from bedrad.packings.wall_fit import WALL_KINDS, fit_wall
 
 ANYWHERE = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
 """Columns of an orthonormal basis."""
@@ -200,3 +200,11 @@ def test_what_cannot_be_fitted_at_all() -> None:
         fit_wall("cone", np.zeros((20, 3)), np.ones(20))  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="give the wall"):
         fit_wall("plate", np.zeros((20, 3)), np.ones(20))
+
+
+@pytest.mark.parametrize(("reach", "radius"), [(1e300, 1.0), (1e150, 1e-150), (1e-300, 1e-310), (1e10, 1.0)])
+def test_what_no_arithmetic_can_fit_is_refused(reach: float, radius: float) -> None:
+    centers = np.random.default_rng(1).uniform(-reach, reach, (500, 3))
+    for kind in WALL_KINDS:
+        with pytest.raises(ValueError, match=rf"lie up to .* m from 0, 0, 0, too far to fit a {kind}; give the wall"):
+            fit_wall(kind, centers, np.full(500, radius))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import fcntl
 import importlib.metadata
 import importlib.util
 import os
@@ -16,7 +18,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TextIO
+from typing import BinaryIO, TextIO
 
 from bedrad.errors import EngineFailedError, MissingExtraError
 
@@ -25,6 +27,7 @@ __all__ = ["LOG", "SCRIPT", "LammpsRun", "ThermoReader", "find_lammps", "run_lam
 SCRIPT = "in.lammps"
 LOG = "log.lammps"
 _SCREEN = "screen.txt"
+_LOCK = "run.lock"
 
 _EXTRA = "dem"
 _POLL = 0.1
@@ -161,21 +164,23 @@ def run_lammps(
         If LAMMPS, or ``mpiexec`` for several ranks, is not there.
     EngineFailedError
         If LAMMPS ends with an error; the message carries the last lines of its log.
+    OSError
+        If another run is going on in the folder, also one that outlived the process that started it.
     ValueError
         If `ranks` is not a positive integer.
     """
     if isinstance(ranks, bool) or not isinstance(ranks, int) or ranks < 1:
         raise ValueError(f"ranks is {ranks!r}; expected a positive integer")
     program = find_lammps() if executable is None else Path(executable).absolute()
-    (folder / SCRIPT).write_text(script, encoding="utf-8")
-    # the log of an earlier run in this folder would be read as that of this one
-    (folder / LOG).unlink(missing_ok=True)
     command = [str(program), "-in", SCRIPT, "-log", LOG, "-screen", "none"]
     if ranks > 1:
         command = [str(_find_mpiexec()), "-n", str(ranks), *command]
     reader = ThermoReader()
     start = time.monotonic()
-    with (folder / _SCREEN).open("wb") as screen:
+    with _lock(folder) as lock, (folder / _SCREEN).open("wb") as screen:
+        (folder / SCRIPT).write_text(script, encoding="utf-8")
+        # the log of an earlier run in this folder would be read as that of this one
+        (folder / LOG).unlink(missing_ok=True)
         try:
             process = subprocess.Popen(  # noqa: S603 - the program found above, no shell
                 command,
@@ -185,6 +190,7 @@ def run_lammps(
                 stdout=screen,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
+                pass_fds=(lock.fileno(),),
             )
         except OSError as error:
             raise EngineFailedError(f"LAMMPS cannot be started: {program}: {error.strerror or error}") from error
@@ -195,6 +201,19 @@ def run_lammps(
     if process.returncode != 0:
         raise EngineFailedError(_failure(process.returncode, folder))
     return LammpsRun(reader.version, time.monotonic() - start, reader.last)
+
+
+@contextmanager
+def _lock(folder: Path) -> Iterator[BinaryIO]:
+    """Lock a folder for a run; LAMMPS inherits the lock, so that it lasts as long as any of the two."""
+    with (folder / _LOCK).open("wb") as stream:
+        try:
+            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise OSError(
+                errno.EBUSY, "another run of LAMMPS is going on here; wait for it or end it", str(folder)
+            ) from None
+        yield stream
 
 
 def _find_mpiexec() -> Path:

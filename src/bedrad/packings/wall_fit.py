@@ -38,6 +38,12 @@ _LARGEST_TILT = math.radians(20.0)
 _SURE = 18.42
 """Squared tilt over its covariance from which on a tilt counts: once in 10,000 straight walls by chance."""
 
+_LARGEST_REACH = 1e9
+"""What coordinates may be to fit a wall, in mean radii; beyond that their roundings are no contacts any more."""
+
+_LARGEST_NUMBER = 1e100
+"""What radii may be, so that their squares are numbers. [m]"""
+
 _ROUNDS = 10
 _NEAREST = {"tube": "outermost", "rod": "innermost", "plate": "lowest"}
 _SHAPE = {"tube": "circle", "rod": "circle", "plate": "plane"}
@@ -155,8 +161,14 @@ def fit_wall(
         raise ValueError(f"the wall to fit is {kind!r}; expected {', '.join(map(repr, WALL_KINDS))}")
     if len(radii) < _FEWEST_PATCHES:
         raise ValueError(f"{len(centers)} spheres are too few to fit a {kind} to them; give the wall")
-    if not (np.isfinite(centers).all() and np.isfinite(radii).all() and (radii > 0).all()):
+    if not (np.isfinite(centers).all() and np.isfinite(radii).all() and (radii > 0.0).all()):
         raise ValueError("a centre or radius is not finite and positive")
+    reach, mean = float(np.abs(centers).max()), float(radii.mean())
+    if not (reach <= _LARGEST_REACH * mean and 1.0 / _LARGEST_NUMBER < mean < _LARGEST_NUMBER):
+        raise ValueError(
+            f"spheres of a mean radius of {mean:.3g} m lie up to {reach:.3g} m from 0, 0, 0, too far to fit a {kind}; "
+            "give the wall"
+        )
     refusal: ValueError | None = None
     for direction in _candidates(kind, centers) if directions is None else directions:
         if may_turn and (tilted := _tilted(kind, centers, radii, direction)) is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -206,6 +207,8 @@ def write(packing: Packing, path: PathLike) -> None:
 
 def _recognise(path: Path) -> Format:
     head = first_bytes(path)
+    if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        raise BadFileError(f"{path}: a text in UTF-16; save it as UTF-8 or plain text")
     for form in FORMATS:
         if form.recognises(head):
             return form

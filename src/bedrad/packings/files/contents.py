@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from bedrad.walls import Plate, Rod, Tube, Wall
 __all__ = ["Contents", "describe_wall", "make_wall", "plain_value"]
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class Contents:
     radii : (n,) array or None
         Sphere radii, where the file has them. [m]
     wall : Tube, Rod, Plate or None
-        The wall, where the file names it.
+        The wall, where the file names it. [m]
     period : float, (float, float) or None
         Axial period, where the file names the wall too. [m]
     axis_periods : mapping of int to float
@@ -36,7 +37,7 @@ class Contents:
         Provenance stored in the file, or the file, frame and step the spheres come from.
     max_overlap : float or None
         Overlap limit stored in the file, in radii.
-    lines, ids : sequence of int or None
+    lines, ids : (n,) arrays or None
         Line number (from 1) and particle id of every sphere, for messages.
     states_unit : bool
         Whether the file says what its lengths are in, or its format does. They are metres then; if not, the user
@@ -44,6 +45,8 @@ class Contents:
     no_unit : str
         Where a file that does not say so should have, such as ``"line 1: column x has no unit"``: nothing is assumed
         then, and the user has to say what the lengths are in.
+    wall_in_file_unit : bool
+        Whether the wall and its period are in the unit of the other lengths, whatever that is, and not in metres.
     """
 
     centers: FloatArray
@@ -53,10 +56,28 @@ class Contents:
     axis_periods: Mapping[int, float] = field(default_factory=dict)
     provenance: Provenance = field(default_factory=dict)
     max_overlap: float | None = None
-    lines: Sequence[int] | None = None
-    ids: Sequence[int] | None = None
+    lines: IntArray | None = None
+    ids: IntArray | None = None
     states_unit: bool = False
     no_unit: str = ""
+    wall_in_file_unit: bool = False
+
+    def scaled(self, metre: float, provenance: Provenance) -> Contents:
+        """Return the same in metres, for lengths in a unit of so many metres, with another provenance."""
+        wall, period = self.wall, self.period
+        if self.wall_in_file_unit:
+            wall = wall if wall is None or isinstance(wall, Plate) else type(wall)(wall.radius * metre)
+            if period is not None:
+                period = period * metre if isinstance(period, float) else (period[0] * metre, period[1] * metre)
+        return replace(
+            self,
+            centers=self.centers * metre,
+            radii=None if self.radii is None else self.radii * metre,
+            wall=wall,
+            period=period,
+            axis_periods={axis: length * metre for axis, length in self.axis_periods.items()},
+            provenance=provenance,
+        )
 
     def origin(self, sphere: int) -> str:
         """Where a sphere stands in the file, as ``"line 12, id 7"``; empty where that is unknown."""

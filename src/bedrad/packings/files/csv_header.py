@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bedrad.packings.files.format import Columns
+from bedrad.packings.files.text import shown
 from bedrad.packings.files.units import LENGTH_UNITS
 
 __all__ = ["EXPECTED", "Column", "find_columns", "names_positions"]
@@ -15,9 +16,10 @@ EXPECTED = (
     "a header such as 'x [m],y [m],z [m],radius [m]' (units m, cm, mm, um, nm, in or ft; diameter in place of radius)"
 )
 
-_UNIT = re.compile(r"(?P<name>.*?)\s*:?\s*[\[(]\s*(?P<unit>[^\[\]()]*?)\s*[\])]")
-_COMPONENT = re.compile(r"[xyz012]", re.IGNORECASE)
-_TAIL = re.compile(r"(?P<name>.*[^_/\s])\s*[_/]\s*(?P<unit>\w+)")
+_LONGEST = 200
+"""What the title of a column may have to be looked at. [characters]"""
+
+_COMPONENTS = ("x", "y", "z", "0", "1", "2")
 
 _PLACE = "(?:position|pos|coordinates?|coords?|cent(?:er|re)s?|centroid|points?)"
 _LETTER = r"[\[(]?(?P<axis>[xyz012])[\])]?"
@@ -98,25 +100,32 @@ def find_columns(header: Sequence[str], columns: Columns) -> dict[str, Column]:
             chosen.setdefault(name, []).extend(found)
     for name, found in chosen.items():
         if len(found) > 1:
-            raise ValueError(f"column {name!r} comes twice: {found[0].title!r} and {found[1].title!r}")
+            raise ValueError(f"column {name!r} comes twice: {shown(found[0].title)} and {shown(found[1].title)}")
     return {name: found[0] for name, found in chosen.items()} | named
 
 
 def _split(title: str) -> tuple[str, str | None]:
     """Name and unit of a title such as ``Track: Position[X] (m)``, ``Particle X-Coordinate: (m)`` or ``x_mm``."""
-    match = _UNIT.fullmatch(title)
-    if match and not (_COMPONENT.fullmatch(match["unit"]) and match["name"]):
-        name, unit = match["name"], match["unit"]
-    elif (tail := _TAIL.fullmatch(title)) and tail["unit"] in LENGTH_UNITS:
-        name, unit = tail["name"], tail["unit"]
+    if len(title) > _LONGEST:
+        return title, None
+    name, unit = title, None
+    opened = max(title.rfind("["), title.rfind("("))
+    inside = title[opened + 1 : -1].strip()
+    if opened >= 0 and title.endswith(("]", ")")) and not (inside.lower() in _COMPONENTS and title[:opened].strip()):
+        name, unit = title[:opened], inside
     else:
-        name, unit = title.rstrip(": "), None
+        for border in "_/":
+            before, _, after = title.rpartition(border)
+            if before and after.strip() in LENGTH_UNITS:
+                name, unit = before, after.strip()
     # what STAR-CCM+ writes before a colon says where the values come from
-    return name.rpartition(": ")[2].strip().lower(), unit
+    return name.rstrip(": _/").rpartition(": ")[2].strip().lower(), unit
 
 
 def _meaning(name: str) -> _Meaning | None:
     """What a column of this name holds: an axis and the form of its name, or a size."""
+    if len(name) > _LONGEST:
+        return None
     for form, pattern in enumerate(_POSITIONS):
         if match := pattern.fullmatch(name):
             return _AXIS[match["axis"]], form
@@ -131,6 +140,6 @@ def _named(name: str, wanted: str, header: Sequence[str], split: Sequence[tuple[
     if not fits and low.isdecimal() and 1 <= int(low) <= len(header):
         fits = [int(low) - 1]
     if len(fits) != 1:
-        said = f"comes {len(fits)} times" if fits else f"is not there; the header has {', '.join(header)}"
-        raise ValueError(f"column {wanted!r} for {name} {said}")
+        said = f"comes {len(fits)} times" if fits else f"is not there; the header has {', '.join(header)[:200]}"
+        raise ValueError(f"column {shown(wanted)} for {name} {said}")
     return Column(fits[0], header[fits[0]], split[fits[0]][1])

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import csv
-from array import array
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from bedrad.errors import BadFileError
-from bedrad.packings.files.byte_lines import ByteLines
 from bedrad.packings.files.contents import Contents
 from bedrad.packings.files.csv_header import EXPECTED, Column, find_columns, names_positions
 from bedrad.packings.files.facts import Facts, fact_comments
 from bedrad.packings.files.format import Columns
-from bedrad.packings.files.number_rows import ROWS_AT_ONCE, NumberRows
-from bedrad.packings.files.text import open_text
+from bedrad.packings.files.lines import Lines, open_lines
+from bedrad.packings.files.rows import RegularRows, is_number, read_rows
+from bedrad.packings.files.table_spheres import table_spheres
+from bedrad.packings.files.text import shown
 from bedrad.packings.files.units import LENGTH_UNITS, metres
 from bedrad.packings.packing import Packing
 
@@ -56,21 +53,23 @@ def read_csv(path: Path, columns: Columns | None = None) -> Contents:
         If the header, a row or a comment cannot be understood; the message names the line.
     """
     facts = Facts(path)
-    with open_text(path) as stream:
-        lines = ByteLines(path, stream)
-        table = _header(lines, facts, columns or {})
-        values, numbered = _rows(lines, facts, table)
-    # column by column in metres: a unit of m multiplies by one, and changes no bit
-    found = {name: values[:, place] * table.metre(name) for place, name in enumerate(table.columns)}
-    del values
-    size = found["radius"] if "radius" in found else found["diameter"] / 2 if "diameter" in found else None
-    return Contents(
-        centers=np.stack([found["x"], found["y"], found["z"]], axis=1),
-        radii=size,
-        lines=array("q", numbered.tobytes()),
-        states_unit=not table.no_unit,
-        no_unit=table.no_unit,
-        **facts.understood({"file": path.name, "format": "CSV"}),  # type: ignore[arg-type]
+    with open_lines(path) as lines:
+        header = _read_header(lines, facts, columns or {})
+        table = read_rows(lines, _rows(lines, facts, header))
+    units = {name: header.metre(name) for name in header.columns}
+    metre = units["x"]
+    if set(units.values()) != {metre}:
+        metre = 1.0
+        for name, factor in units.items():
+            table.columns[name] = table.columns[name] * factor
+    return table_spheres(
+        path,
+        table,
+        {"file": path.name, "format": "CSV"},
+        facts,
+        metre=metre,
+        states_unit=not header.no_unit,
+        no_unit=header.no_unit,
     )
 
 
@@ -85,14 +84,13 @@ def write_csv(packing: Packing, path: Path) -> None:
 
 
 @dataclass(frozen=True)
-class _Table:
+class _Header:
     """What the header says."""
 
     separator: str
     width: int
     columns: dict[str, Column]
     no_unit: str
-    first_row: bytes | None
 
     def metre(self, name: str) -> float:
         """Metres in the unit of a column; 1 where there is none."""
@@ -100,13 +98,14 @@ class _Table:
         return 1.0 if unit is None else metres(unit)
 
 
-def _header(lines: ByteLines, facts: Facts, columns: Columns) -> _Table:
+def _read_header(lines: Lines, facts: Facts, columns: Columns) -> _Header:
     """Read up to the first row."""
-    while (line := lines.next()) is not None:
-        if line.lstrip().startswith("#"):
-            facts.see_comment(lines.number, line)
-        elif line.strip():
+    start = lines.mark()
+    while (line := lines.next_filled()) is not None:
+        if not line.lstrip().startswith("#"):
             break
+        facts.see_comment(lines.number, line)
+        start = lines.mark()
     else:
         raise BadFileError(f"{lines.path}: no header; expected {EXPECTED}")
     separator = _separator(line) or ","
@@ -120,23 +119,26 @@ def _header(lines: ByteLines, facts: Facts, columns: Columns) -> _Table:
         raise lines.error(
             f"no column {', '.join(missing)}; the header has {', '.join(titles)[:200]}; expected {EXPECTED}"
         )
-    is_row = all(map(_is_number, titles))
-    return _Table(separator, len(titles), found, _no_unit(lines, found), line.encode() if is_row else None)
+    header = _Header(separator, len(titles), found, _no_unit(lines, found))
+    if all(map(is_number, titles)):
+        # the columns were given by their numbers, and the first row is no header
+        lines.go_to(start)
+    return header
 
 
-def _no_unit(lines: ByteLines, found: dict[str, Column]) -> str:
+def _no_unit(lines: Lines, found: dict[str, Column]) -> str:
     """Say that no column has a unit, if none has; where some have, all must."""
     for name, column in found.items():
         if column.unit is not None and column.unit not in LENGTH_UNITS:
-            raise lines.error(f"column {name!r} has the unit {column.unit!r}; expected {EXPECTED}")
+            raise lines.error(f"column {name!r} has the unit {shown(column.unit)}; expected {EXPECTED}")
     bare = [name for name, column in found.items() if column.unit is None]
     if bare and len(bare) < len(found):
         raise lines.error(f"column {bare[0]!r} has no unit; expected {EXPECTED}")
     return f"line {lines.number}: the columns have no unit" if bare else ""
 
 
-def _rows(lines: ByteLines, facts: Facts, table: _Table) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """The wanted columns of all rows, and the line of each."""
+def _rows(lines: Lines, facts: Facts, header: _Header) -> RegularRows:
+    """What the rows look like, and the comments between them."""
 
     def split(line: str, number: int) -> list[str] | None:
         if not line.strip():
@@ -144,20 +146,11 @@ def _rows(lines: ByteLines, facts: Facts, table: _Table) -> tuple[NDArray[np.flo
         if line.lstrip().startswith("#"):
             facts.see_comment(number, line)
             return None
-        return _cells(line, table.separator)
+        return _cells(line, header.separator)
 
-    said = f"the header names {table.width} columns"
-    places = [column.place for column in table.columns.values()]
-    rows = NumberRows(lines.path, list(table.columns), places, table.width, said, split, table.separator)
-    parts = [(np.empty((0, len(places))), np.empty(0, np.int64))]
-    if table.first_row is not None:
-        parts.append(rows.parse([table.first_row], lines.number))
-    first = lines.number + 1
-    while taken := lines.take(ROWS_AT_ONCE):
-        parts.append(rows.parse(taken, first))
-        first = lines.number + 1
-    values, numbered = zip(*parts, strict=True)
-    return np.concatenate(values), np.concatenate(numbered)
+    places = {name: column.place for name, column in header.columns.items()}
+    said = f"the header names {header.width} columns"
+    return RegularRows(lines.path, places, header.width, said, split, header.separator)
 
 
 def _separator(line: str) -> str | None:
@@ -174,11 +167,3 @@ def _cells(line: str, separator: str) -> list[str]:
     except csv.Error:
         # a field beyond all measure: whatever is read next says that this is no table
         return [line]
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from bedrad.errors import BadFileError
 from bedrad.packings.files.contents import Contents
 from bedrad.packings.files.hdf5_access import holds, member, number_attribute, open_hdf5, read_array, where
+from bedrad.packings.files.ids import id_order
 
 __all__ = ["is_edem", "iterate_edem", "read_edem"]
 
@@ -158,7 +159,7 @@ def _read_step(deck: Path, step: _Step, index: int) -> Contents:
         centers=np.concatenate(centers),
         radii=np.concatenate(radii),
         provenance=provenance,
-        ids=numbers.tolist() if (numbers >= 0).all() else None,
+        ids=numbers if (numbers >= 0).all() else None,
         states_unit=True,
     )
 
@@ -178,10 +179,7 @@ def _particles(group: h5py.Group) -> tuple[FloatArray, FloatArray, NDArray[np.in
     if not holds(group, "ids"):
         return (position, scale, np.full(count, -1)) if count else None
     number = np.asarray(_column(group, "ids", count, "iu"), dtype=np.int64)
-    order = np.argsort(number, kind="stable")
-    twice = np.flatnonzero(np.diff(number[order]) == 0)
-    if len(twice):
-        raise BadFileError(f"{where(group)}: two particles have the id {number[order[twice[0]]]}")
+    order = id_order(where(group), number, "particles")
     return (position[order], scale[order], number[order]) if count else None
 
 

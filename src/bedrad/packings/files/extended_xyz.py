@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +12,12 @@ from bedrad.errors import BadFileError
 from bedrad.packings.files.boxes import surrounding_box
 from bedrad.packings.files.contents import Contents
 from bedrad.packings.files.facts import FACTS, Facts, fact_texts
-from bedrad.packings.files.lines import LineReader, read_rows
-from bedrad.packings.files.rows import rounding_notes, sorted_by_id
-from bedrad.packings.files.text import numbers, open_text
-from bedrad.packings.packing import Packing
+from bedrad.packings.files.frames import Frame, FrameFile, frame_rows
+from bedrad.packings.files.lines import Lines
+from bedrad.packings.files.rows import RegularRows, numbers
+from bedrad.packings.files.table_spheres import table_spheres
+from bedrad.packings.files.text import shown
+from bedrad.packings.packing import Packing, Provenance
 
 __all__ = ["iterate_xyz", "looks_like_xyz", "read_xyz", "write_xyz"]
 
@@ -47,16 +48,6 @@ _TILT = 1e-12
 """Share of the longest edge that an edge may lean by, as roundings of a turned box do."""
 
 
-@dataclass(frozen=True)
-class _Frame:
-    """What stands before the rows of a frame."""
-
-    index: int
-    count: int
-    comment: str
-    comment_line: int
-
-
 def looks_like_xyz(head: bytes) -> bool:
     """Whether a file begins with a count, a comment, and a row that begins with a word, or says its Properties."""
     lines = head.decode("utf-8-sig", errors="replace").splitlines()
@@ -69,50 +60,13 @@ def looks_like_xyz(head: bytes) -> bool:
 
 
 def read_xyz(path: Path, frame: int = -1) -> Contents:
-    """Read one frame.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        The file, plain or gzip.
-    frame : int
-        Which frame, counted from 0, or from the end if negative.
-
-    Raises
-    ------
-    BadFileError
-        If the frame does not exist, or what is read up to it is not extended xyz; the message names the line.
-    """
-    wanted = frame
-    if frame < 0:
-        # only the end tells which frame that is: the file is gone through once, and nothing is kept
-        with open_text(path) as stream:
-            lines, count = LineReader(path, stream), 0
-            while (found := _next_frame(lines, count)) is not None:
-                _skip(lines, found)
-                count += 1
-        wanted = count + frame
-        if wanted < 0:
-            raise _no_frame(path, frame, count)
-    with open_text(path) as stream:
-        lines, index = LineReader(path, stream), 0
-        while (found := _next_frame(lines, index)) is not None:
-            if index == wanted:
-                return _contents(lines, found)
-            _skip(lines, found)
-            index += 1
-    raise _no_frame(path, frame, index)
+    """Read one frame, plain or gzip; parameters and errors as for `FrameFile.read`."""
+    return _XYZ.read(path, frame)
 
 
 def iterate_xyz(path: Path) -> Iterator[Contents]:
     """Yield the frames one after the other, keeping one in memory."""
-    with open_text(path) as stream:
-        lines, index = LineReader(path, stream), 0
-        while (found := _next_frame(lines, index)) is not None:
-            yield _contents(lines, found)
-            index += 1
-    if not index:
-        raise _no_frame(path, 0, 0)
+    return _XYZ.iterate(path)
 
 
 def write_xyz(packing: Packing, path: Path) -> None:
@@ -141,78 +95,37 @@ def _plain_quotes(json_text: str) -> str:
     return json_text.replace("'", "\\u0027").replace('"', "'")
 
 
-def _next_frame(lines: LineReader, index: int) -> _Frame | None:
-    """Read what stands before the rows of a frame; None at the end of the file."""
+def _read_header(lines: Lines, index: int, _: Frame[str] | None) -> tuple[str, int] | None:
+    """Read the count and the comment of the next frame; None at the end of the file."""
     text = lines.next_filled()
     if text is None:
         return None
     text = text.strip()
-    if not (text.isascii() and text.isdigit() and len(text) < 20):
-        raise lines.error(f"expected the number of spheres of frame {index}, found {text[:60]!r}")
+    if not re.fullmatch("[0-9]{1,18}", text):
+        raise lines.error(f"expected the number of spheres of frame {index}, found {shown(text)}")
     comment = lines.next()
     if comment is None:
-        raise _cut_off(lines, index, "its comment is missing")
-    return _Frame(index, int(text), comment, lines.number)
+        raise BadFileError(f"{lines.path}: cut off after line {lines.number}; expected the comment of frame {index}")
+    return comment, int(text)
 
 
-def _skip(lines: LineReader, frame: _Frame) -> None:
-    passed = lines.skip(frame.count)
-    if passed < frame.count:
-        raise _cut_off(lines, frame.index, f"{frame.count} rows expected, {passed} found")
-
-
-def _cut_off(lines: LineReader, index: int, what: str) -> BadFileError:
-    whole = f"; {index} whole frames come before it" if index else ""
-    return BadFileError(
-        f"{lines.path}: frame {index} is cut off: {what}, the file ends after line {lines.number}{whole}"
-    )
-
-
-def _no_frame(path: Path, frame: int, count: int) -> BadFileError:
-    return BadFileError(f"{path}: frame {frame} was asked for; the file has {count}, counted from 0")
-
-
-def _contents(lines: LineReader, frame: _Frame) -> Contents:
-    """Read the rows of a frame, in the order of their ids where there are any."""
-    path, where = lines.path, f"{lines.path}, line {frame.comment_line}"
-    extended = "Properties=" in frame.comment or "Lattice=" in frame.comment
-    pairs = _pairs(where, frame.comment) if extended else {}
-    places, width = _columns(where, pairs.get("Properties", "species:S:1:pos:R:3"))
+def _contents(lines: Lines, frame: Frame[str]) -> Contents:
+    """Read the rows of a frame."""
+    path, comment, line = lines.path, frame.header, lines.number
+    extended = "Properties=" in comment or "Lattice=" in comment
+    pairs = _pairs(f"{path}, line {line}", comment) if extended else {}
+    places, width = _columns(f"{path}, line {line}", pairs.get("Properties", "species:S:1:pos:R:3"))
     # other columns may follow in plain xyz, which names none
     open_end = "Properties" not in pairs
-    said = f"at least {width}" if open_end else f"{width}"
-
-    def pick(cells: list[str], line: int) -> list[str]:
-        if len(cells) < width or (len(cells) > width and not open_end):
-            raise BadFileError(f"{path}, line {line}: {len(cells)} fields; a row of frame {frame.index} has {said}")
-        return [cells[place] for place in places.values()]
-
-    first = lines.number + 1
-    values = read_rows(lines, frame.count, pick, list(places))
-    if len(values) < frame.count:
-        raise _cut_off(lines, frame.index, f"{frame.count} rows expected, {len(values)} found")
-    found = dict(zip(places, values.T, strict=True))
-    numbers_of_lines: Sequence[int] = range(first, first + frame.count)
-    centers = np.stack([found["x"], found["y"], found["z"]], axis=1)
-    radii = found["radius"] if "radius" in found else found["diameter"] / 2 if "diameter" in found else None
-    ids = None
-    if "id" in found:
-        order, numbers_of_lines, ids = sorted_by_id(path, found["id"], numbers_of_lines)
-        centers = centers[order]
-        radii = None if radii is None else radii[order]
+    said = f"a row of frame {frame.index} has {'at least ' if open_end else ''}{width}"
+    table = frame_rows(lines, frame, RegularRows(path, places, width, said, open_end=open_end))
     facts = Facts(path)
     for key in FACTS:
         if _PREFIX + key in pairs:
-            facts.keep(key, frame.comment_line, pairs[_PREFIX + key].replace("'", '"'))
-    origin = {"file": path.name, "format": "xyz", "frame": frame.index, **rounding_notes(centers, radii)}
-    return Contents(
-        centers=centers,
-        radii=radii,
-        axis_periods=_periods(path, frame.comment_line, pairs),
-        lines=numbers_of_lines,
-        ids=ids,
-        states_unit="wall" in facts,
-        **facts.understood(origin),  # type: ignore[arg-type]
+            facts.keep(key, line, pairs[_PREFIX + key].replace("'", '"'))
+    origin: Provenance = {"file": path.name, "format": "xyz", "frame": frame.index}
+    return table_spheres(
+        path, table, origin, facts, axis_periods=_periods(path, line, pairs), states_unit="wall" in facts
     )
 
 
@@ -227,7 +140,7 @@ def _pairs(where: str, comment: str) -> dict[str, str]:
         opening = comment[at : at + 1]
         value = _DELIMITED.get(opening, _WORD).match(comment, at)
         if value is None:
-            raise BadFileError(f"{where}: the value of {match['key'][:60]!r} begins with {opening} and does not end")
+            raise BadFileError(f"{where}: the value of {shown(match['key'])} begins with {opening} and does not end")
         pairs[match["key"]] = value[1]
         at = value.end()
     return pairs
@@ -240,14 +153,16 @@ def _columns(where: str, properties: str) -> tuple[dict[str, int], int]:
     width = 0
     if len(parts) % 3:
         raise BadFileError(
-            f"{where}: Properties={properties[:80]!r}; expected a name, a type and a number of columns each"
+            f"{where}: Properties={shown(properties)}; expected a name, a type and a number of columns each"
         )
     for name, kind, text in zip(parts[::3], parts[1::3], parts[2::3], strict=True):
         if kind not in ("S", "R", "I", "L"):
-            raise BadFileError(f"{where}: property {name!r} has the type {kind!r}; expected S, R, I or L")
+            raise BadFileError(f"{where}: property {shown(name)} has the type {shown(kind)}; expected S, R, I or L")
         many = int(text) if text.isascii() and text.isdigit() and len(text) < 6 else 0
         if not 1 <= many <= _MOST_COLUMNS:
-            raise BadFileError(f"{where}: property {name!r} has {text!r} columns; expected 1 to {_MOST_COLUMNS}")
+            raise BadFileError(
+                f"{where}: property {shown(name)} has {shown(text)} columns; expected 1 to {_MOST_COLUMNS}"
+            )
         wanted = _COLUMNS.get(name.lower())
         if wanted is not None:
             if many != (3 if wanted == "pos" else 1) or kind not in ("R", "I"):
@@ -260,7 +175,7 @@ def _columns(where: str, properties: str) -> tuple[dict[str, int], int]:
             places |= {axis: width + place for place, axis in enumerate(names)}
         width += many
     if "x" not in places:
-        raise BadFileError(f"{where}: Properties={properties[:80]!r} has no pos:R:3")
+        raise BadFileError(f"{where}: Properties={shown(properties)} has no pos:R:3")
     if "radius" in places:
         places.pop("diameter", None)
     return places, width
@@ -279,12 +194,12 @@ def _periods(path: Path, line: int, pairs: Mapping[str, str]) -> dict[int, float
     lengths = np.diag(lattice)
     if np.abs(lattice - np.diag(lengths)).max() > _TILT * np.abs(lengths).max():
         raise BadFileError(
-            f"{where}: the box of Lattice {pairs['Lattice'][:120]!r} is triclinic or turned; "
+            f"{where}: the box of Lattice {shown(pairs['Lattice'])} is triclinic or turned; "
             "only boxes with right angles along x, y and z are read"
         )
     flags = [_FLAGS.get(word.upper()) for word in _split(pairs.get("pbc", "T T T"))]
     if len(flags) != 3 or None in flags:
-        raise BadFileError(f"{where}: pbc is {pairs.get('pbc', '')[:60]!r}; expected three of T and F")
+        raise BadFileError(f"{where}: pbc is {shown(pairs.get('pbc', ''))}; expected three of T and F")
     for axis, (flag, length) in enumerate(zip(flags, lengths.tolist(), strict=True)):
         if flag and not length > 0:
             raise BadFileError(
@@ -295,3 +210,6 @@ def _periods(path: Path, line: int, pairs: Mapping[str, str]) -> dict[int, float
 
 def _split(text: str) -> list[str]:
     return text.replace(",", " ").split()
+
+
+_XYZ = FrameFile(_read_header, _contents, "no frame in the whole file; expected the number of spheres first")

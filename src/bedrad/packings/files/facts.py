@@ -7,11 +7,13 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from bedrad.errors import BadFileError
 from bedrad.packings.files.contents import describe_wall, make_wall, plain_value
+from bedrad.packings.files.text import shown
 from bedrad.packings.packing import Packing, Provenance
 from bedrad.walls import Wall
 
@@ -38,7 +40,7 @@ class Facts:
     """
 
     path: Path
-    _found: dict[str, tuple[int, str]] = field(default_factory=dict, init=False)
+    _found: dict[str, tuple[int, list[str]]] = field(default_factory=dict, init=False)
     _last: str = field(default="", init=False)
 
     def __contains__(self, key: str) -> bool:
@@ -54,14 +56,15 @@ class Facts:
             self._last = fact["key"]
             self.keep(fact["key"], line, fact["value"])
         elif text.startswith(_GOES_ON) and self._last in self._found:
-            first, begun = self._found[self._last]
-            self.keep(self._last, first, begun.removesuffix(_BREAK) + text.removeprefix(_GOES_ON))
+            parts = self._found[self._last][1]
+            parts[-1] = parts[-1].removesuffix(_BREAK)
+            parts.append(text.removeprefix(_GOES_ON))
 
     def keep(self, key: str, line: int, text: str) -> None:
         """Keep the text of a fact and the line it stands in."""
-        self._found[key] = (line, text)
+        self._found[key] = (line, [text])
 
-    def understood(self, origin: Provenance) -> dict[str, object]:
+    def understood(self, origin: Provenance) -> dict[str, Any]:
         """Return the facts as arguments of `Contents`.
 
         Parameters
@@ -74,12 +77,15 @@ class Facts:
         BadFileError
             If a fact cannot be understood; the message names the line.
         """
-        read: dict[str, object] = {"provenance": dict(origin)}
-        for key, (line, text) in self._found.items():
+        read: dict[str, Any] = {"provenance": dict(origin)}
+        for key, (line, parts) in self._found.items():
+            text = "".join(parts)
             try:
                 read[key] = FACTS[key](text)
             except (ValueError, RecursionError) as error:
-                raise BadFileError(f"{self.path}, line {line}: {key} {text!r} is not understood: {error}") from error
+                raise BadFileError(
+                    f"{self.path}, line {line}: {key} {shown(text)} is not understood: {error}"
+                ) from error
         return read
 
 

@@ -6,16 +6,15 @@ import math
 import re
 from pathlib import Path
 
-import numpy as np
-
 from bedrad import __version__
 from bedrad.errors import BadFileError
 from bedrad.packings.files.boxes import surrounding_box
 from bedrad.packings.files.contents import Contents
 from bedrad.packings.files.facts import Facts, fact_comments
-from bedrad.packings.files.lines import LineReader, read_rows
-from bedrad.packings.files.rows import rounding_notes, sorted_by_id
-from bedrad.packings.files.text import open_text
+from bedrad.packings.files.lines import Lines, open_lines
+from bedrad.packings.files.rows import RegularRows, Table, read_rows
+from bedrad.packings.files.table_spheres import table_spheres
+from bedrad.packings.files.text import shown
 from bedrad.packings.packing import Packing
 
 __all__ = ["looks_like_lammps_data", "read_lammps_data", "write_lammps_data"]
@@ -34,7 +33,7 @@ _YADE_TITLE = "LIGGGHTS Description"
 
 _METRES = {"si": 1.0, "cgs": 1e-2, "micro": 1e-6, "nano": 1e-9}
 _UNITS = re.compile(r"\bunits = (\w+)")
-_ATOMS = re.compile(r"Atoms\s*(?:#\s*(?P<style>.*?)\s*)?")
+_ATOMS = re.compile(r"Atoms\s*(#|$)")
 _SECTION = re.compile(r"[A-Z][A-Za-z]*(?: [A-Za-z]+){0,2}(?:\s*#.*)?")
 _COUNT = re.compile(r"(?P<count>\S+)\s+atoms\s*(?:#.*)?")
 _TILT = re.compile(r"(?P<tilts>\S+\s+\S+\s+\S+)\s+xy\s+xz\s+yz\s*(?:#.*)?")
@@ -71,28 +70,18 @@ def read_lammps_data(path: Path) -> Contents:
         names the line.
     """
     facts = Facts(path)
-    with open_text(path) as stream:
-        lines = LineReader(path, stream)
+    with open_lines(path) as lines:
         title = (lines.next() or "").strip()
         metre = _metre(lines, title)
         count, style = _header(lines, facts)
-        if style is None:
-            columns = dict.fromkeys(_SPHERE, np.empty(0))
-            first = lines.number + 1
-        else:
-            first, columns = _atoms(lines, count, _YADE if title == _YADE_TITLE else style)
-    order, numbers_of_lines, ids = sorted_by_id(path, columns["id"], range(first, first + count))
-    centers = np.stack([columns["x"], columns["y"], columns["z"]], axis=1)[order]
-    radii = (columns["radius"] if "radius" in columns else columns["diameter"] / 2)[order]
-    notes = rounding_notes(centers, radii)
-    origin = {"file": path.name, "format": "LAMMPS data", **notes}
-    return Contents(
-        centers=centers * (metre or 1.0),
-        radii=radii * (metre or 1.0),
-        lines=numbers_of_lines,
-        ids=ids,
+        table = _atoms(lines, count, _YADE if style is not None and title == _YADE_TITLE else style)
+    return table_spheres(
+        path,
+        table,
+        {"file": path.name, "format": "LAMMPS data"},
+        facts,
+        metre=metre or 1.0,
         states_unit=metre is not None or "wall" in facts,
-        **facts.understood(origin),  # type: ignore[arg-type]
     )
 
 
@@ -132,17 +121,17 @@ def write_lammps_data(packing: Packing, path: Path) -> None:
             stream.write(f"{number} 1 {2 * r!r} {float(density)!r} {x!r} {y!r} {z!r}\n")
 
 
-def _metre(lines: LineReader, title: str) -> float | None:
+def _metre(lines: Lines, title: str) -> float | None:
     """Metres in the unit that the title names; None if it names none, or reduced ones."""
     match = _UNITS.search(title)
     if match is None or match[1] == "lj":
         return None
     if match[1] not in _METRES:
-        raise lines.error(f"the units are {match[1]!r}; expected one of {', '.join(_METRES)} or lj")
+        raise lines.error(f"the units are {shown(match[1])}; expected one of {', '.join(_METRES)} or lj")
     return _METRES[match[1]]
 
 
-def _header(lines: LineReader, facts: Facts) -> tuple[int, str | None]:
+def _header(lines: Lines, facts: Facts) -> tuple[int, str | None]:
     """Read up to `Atoms`: the number of atoms, and the style that it names, "" if none; None without the section."""
     count: int | None = None
     in_header = True
@@ -150,10 +139,10 @@ def _header(lines: LineReader, facts: Facts) -> tuple[int, str | None]:
         text = line.strip()
         if text.startswith("#"):
             facts.see_comment(lines.number, text)
-        elif atoms := _ATOMS.fullmatch(text):
+        elif _ATOMS.match(text):
             if count is None:
                 raise lines.error("'Atoms' comes before the number of atoms, such as '100 atoms'")
-            return count, atoms["style"] or ""
+            return count, text.partition("#")[2].strip()
         elif _SECTION.fullmatch(text):
             in_header = False
         elif in_header:
@@ -165,12 +154,12 @@ def _header(lines: LineReader, facts: Facts) -> tuple[int, str | None]:
     return count, None
 
 
-def _header_line(lines: LineReader, text: str, count: int | None) -> int | None:
+def _header_line(lines: Lines, text: str, count: int | None) -> int | None:
     """Read a line of the header, and return the number of atoms known by then."""
     if match := _COUNT.fullmatch(text):
         number = match["count"]
-        if not (number.isascii() and number.isdigit() and len(number) < 20):
-            raise lines.error(f"the number of atoms is {number!r}; expected 0 or more")
+        if not (number.isascii() and number.isdigit() and len(number) < 19):
+            raise lines.error(f"the number of atoms is {shown(number)}; expected 0 or more")
         return int(number)
     tilts = _TILT.fullmatch(text)
     if _EDGES.fullmatch(text) or (tilts and tilts["tilts"].replace(".", "").strip("0 \t")):
@@ -178,58 +167,50 @@ def _header_line(lines: LineReader, text: str, count: int | None) -> int | None:
     return count
 
 
-def _atoms(lines: LineReader, count: int, style: str | tuple[str, ...]) -> tuple[int, dict[str, np.ndarray]]:
-    """Read the rows of `Atoms`: the line of the first, and the columns by name."""
-    path, atoms_line = lines.path, lines.number
-    columns = style if isinstance(style, tuple) else _STYLES.get(style)
+def _atoms(lines: Lines, count: int, style: str | tuple[str, ...] | None) -> Table:
+    """Read the rows of `Atoms`; `style` is None where there is no such section."""
+    atoms_line = lines.number
+    columns = style if isinstance(style, tuple) else _STYLES.get(style or "")
     if style and columns is None:
-        raise lines.error(f"the atom style is {style!r}; expected one of {', '.join(_STYLES)}")
-    if (lines.next() or "").strip():
+        raise lines.error(f"the atom style is {shown(style)}; expected one of {', '.join(_STYLES)}")
+    if style is not None and (lines.next() or "").strip():
         raise lines.error("expected a blank line after 'Atoms'")
-    width = 0
-    places: list[int] = []
-    names = ("id", "radius" if style == _YADE else "diameter", "x", "y", "z")
-
-    def pick(cells: list[str], line: int) -> list[str]:
-        nonlocal columns, width, places
-        if len(cells) != width:
-            cells = _uncommented(cells)
-            if not width:
-                columns = columns or _unnamed(path, line, cells, atoms_line)
-                width = len(cells)
-                places = [columns.index(name) for name in names]
-                if width not in (len(columns), len(columns) + 3):
-                    raise BadFileError(
-                        f"{path}, line {line}: {width} fields; expected {len(columns)} ({' '.join(columns)}), "
-                        f"or {len(columns) + 3} with image flags"
-                    )
-            if len(cells) != width:
-                raise BadFileError(f"{path}, line {line}: {len(cells)} fields; the first row has {width}")
-        return [cells[place] for place in places]
-
-    first = lines.number + 1
-    values = read_rows(lines, count, pick, names)
-    if len(values) < count:
+    first = _cells(lines.peek() or "")
+    if count == 0 or not first:
+        columns = columns or _SPHERE
+        width = len(columns)
+    else:
+        columns = columns or _unnamed(lines, first, atoms_line)
+        width = len(first)
+        if width not in (len(columns), len(columns) + 3):
+            raise BadFileError(
+                f"{lines.path}, line {lines.number + 1}: {width} fields; expected {len(columns)} "
+                f"({' '.join(columns)}), or {len(columns) + 3} with image flags"
+            )
+    names = ("id", "radius" if "radius" in columns else "diameter", "x", "y", "z")
+    places = {name: columns.index(name) for name in names}
+    table = read_rows(lines, RegularRows(lines.path, places, width, f"the first row has {width}", _cells), count)
+    if len(table) < count:
         raise BadFileError(
-            f"{path}: cut off: {count} rows of atoms expected, {len(values)} found, the file ends after line "
+            f"{lines.path}: cut off: {count} rows of atoms expected, {len(table)} found, the file ends after line "
             f"{lines.number}"
         )
-    after = lines.next_filled()
+    after = None if style is None else lines.next_filled()
     if after is not None and not _SECTION.fullmatch(after.strip()):
-        raise lines.error(f"expected the end or a section after {count} atoms, found {after.strip()[:60]!r}")
-    return first, dict(zip(names, values.T, strict=True))
+        raise lines.error(f"expected the end or a section after {count} atoms, found {shown(after.strip())}")
+    return table
 
 
-def _uncommented(cells: list[str]) -> list[str]:
-    end = next((place for place, cell in enumerate(cells) if cell.startswith("#")), len(cells))
-    return cells[:end]
+def _cells(text: str, _: int = 0) -> list[str]:
+    return text.partition("#")[0].split()
 
 
-def _unnamed(path: Path, line: int, cells: list[str], atoms_line: int) -> tuple[str, ...]:
+def _unnamed(lines: Lines, cells: list[str], atoms_line: int) -> tuple[str, ...]:
     """Columns where 'Atoms' names no style: other styles of as many columns have an integer in the third."""
     if len(cells) not in (len(_SPHERE), len(_SPHERE) + 3) or cells[2].lstrip("+-").isdigit():
         raise BadFileError(
-            f"{path}, line {atoms_line}: 'Atoms' names no style, and line {line} ({len(cells)} fields, the third "
-            f"{cells[2] if len(cells) > 2 else 'missing'!r}) leaves it open; write 'Atoms # sphere' if they are spheres"
+            f"{lines.path}, line {atoms_line}: 'Atoms' names no style, and line {lines.number + 1} ({len(cells)} "
+            f"fields, the third {shown(cells[2]) if len(cells) > 2 else 'missing'}) leaves it open; write "
+            "'Atoms # sphere' if they are spheres"
         )
     return _SPHERE

@@ -1,147 +1,202 @@
-"""Tables of numbers in text files, read a block at a time: however large a file is or claims to be."""
+"""Lines of a text file of any size: one by one, many at once, counted without being looked at, and found again."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TextIO
+from typing import BinaryIO
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bedrad.errors import BadFileError
-from bedrad.packings.files.text import numbers
+from bedrad.packings.files.text import open_bytes
 
-__all__ = ["LineReader", "read_rows"]
+__all__ = ["Lines", "Mark", "open_lines"]
 
-_BLOCK = 1 << 18
-"""What is read at once. [characters]"""
+_BLOCK = 1 << 20
+"""What is read at once. [bytes]"""
 
 _LONGEST = 1 << 20
-"""What no line of a table reaches, so that a file without line ends does not fill the memory. [characters]"""
+"""What no line of a table reaches, so that a file without line ends does not fill the memory. [bytes]"""
 
-_ROWS = 1 << 14
-"""How many rows are text at the same time."""
+_USUAL = 256
+"""What a line is taken to have at most where a few of them are looked for in a block. [bytes]"""
+
+_MOST_SINGLY = 300_000
+"""Lines that may come one by one without a row of numbers between them: headers, comments, walls."""
+
+_BLANK = re.compile(rb"\s*\n")
+
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+
+Mark = tuple[int, int]
+"""A place in the file: its byte, and the number of lines before it."""
 
 
-class LineReader:
-    """The lines of a text stream and the number of the last one read.
+@contextmanager
+def open_lines(path: Path) -> Iterator[Lines]:
+    """Open a text file, gzip or plain; errors as for `open_bytes`, and of lines longer than any of a table."""
+    with open_bytes(path) as stream:
+        yield Lines(path, stream)
+
+
+class Lines:
+    """The lines of a file in UTF-8, with any of the usual line ends, and the number of the last one read.
 
     Parameters
     ----------
     path : pathlib.Path
         The file, for messages.
-    stream : text stream
-        The stream, as `open_text` gives it.
+    stream : binary stream
+        The file at its beginning.
     """
 
-    def __init__(self, path: Path, stream: TextIO) -> None:
+    def __init__(self, path: Path, stream: BinaryIO) -> None:
         self.path = path
         self.number = 0
         self._stream = stream
-        self._lines: list[str] = []
-        self._at = 0
-        self._rest = ""
-
-    def take(self, count: int) -> list[str]:
-        """Return the next lines without their ends; fewer than `count` only where the file ends."""
-        taken: list[str] = []
-        while len(taken) < count and (self._at < len(self._lines) or self._fill()):
-            part = self._lines[self._at : self._at + count - len(taken)]
-            self._at += len(part)
-            self.number += len(part)
-            taken += part
-        return taken
-
-    def skip(self, count: int) -> int:
-        """Pass over lines, and return how many there were: fewer than `count` only where the file ends."""
-        passed = 0
-        while passed < count and (self._at < len(self._lines) or self._fill()):
-            step = min(count - passed, len(self._lines) - self._at)
-            self._at += step
-            self.number += step
-            passed += step
-        return passed
+        self._data = stream.read(_BLOCK)
+        # a line end of its own, of old spreadsheets; where there are line feeds, it only comes before them
+        self._only_returns = b"\r" in self._data and b"\n" not in self._data
+        self._data = self._with_line_feeds(self._data)
+        self._at = len(_BYTE_ORDER_MARK) if self._data.startswith(_BYTE_ORDER_MARK) else 0
+        self._before = 0
+        self._singly = 0
 
     def next(self) -> str | None:
-        """Return the next line, or None at the end of the file."""
-        taken = self.take(1)
-        return taken[0] if taken else None
+        """Return the next line without its end, or None at the end of the file."""
+        end = self._end_of_line()
+        if end is None:
+            return None
+        line = self._data[self._at : end]
+        self._at = min(end + 1, len(self._data))
+        self.number += 1
+        self._singly += 1
+        if self._singly > _MOST_SINGLY:
+            raise self.error(f"no rows of spheres among the last {_MOST_SINGLY} lines that are not blank")
+        return line.rstrip(b"\r").decode(errors="replace")
 
     def next_filled(self) -> str | None:
         """Return the next line that is not blank, or None at the end of the file."""
-        while (line := self.next()) is not None:
-            if line.strip():
-                return line
-        return None
+        self._pass_blank()
+        line = self.next()
+        return line if line is None or line.strip() else self.next()
+
+    def wanted(self, what: str) -> str:
+        """Return the next line that is not blank, which must be there."""
+        line = self.next_filled()
+        if line is None:
+            raise BadFileError(f"{self.path}: cut off after line {self.number}; expected {what}")
+        return line
+
+    def peek(self) -> str | None:
+        """Return the next line, which stays the next one."""
+        mark = self.mark()
+        line = self.next()
+        self.go_to(mark)
+        self._singly -= line is not None
+        return line
+
+    def peek_filled(self) -> str | None:
+        """Return the next line that is not blank, which becomes the next one, or None at the end of the file."""
+        self._pass_blank()
+        line = self.peek()
+        return line if line and line.strip() else None
+
+    def take(self, count: int, stop: bytes | None = None) -> list[bytes]:
+        """Return at least one and at most `count` of the next lines, as bytes.
+
+        There are none only at the end of the file, or where the next line begins with `stop`.
+        """
+        found = self._stretch(count, stop)
+        if found is None:
+            return []
+        *lines, rest = self._data[self._at : found].split(b"\n", count)
+        if not lines:
+            # the last line of a file that does not end it
+            lines, rest = [rest], b""
+        self._at = found - len(rest)
+        self.number += len(lines)
+        self._singly = 0
+        return lines
+
+    def skip(self, count: int, stop: bytes | None = None) -> int:
+        """Pass over lines, and return how many there were.
+
+        They are fewer than `count` where the file ends before, or a line begins with `stop`, which then is the next.
+        """
+        passed = 0
+        while passed < count and (end := self._stretch(count - passed, stop)) is not None:
+            lines = max(self._data.count(b"\n", self._at, end), 1)
+            if lines > count - passed:
+                lines = count - passed
+                block = np.frombuffer(self._data, np.uint8, end - self._at, self._at)
+                end = self._at + int(np.flatnonzero(block == ord("\n"))[lines - 1]) + 1
+            self._at = end
+            self._singly = 0
+            passed += lines
+            self.number += lines
+        return passed
+
+    def mark(self) -> Mark:
+        """Return the place of the next line."""
+        return self._before + self._at, self.number
+
+    def go_to(self, mark: Mark) -> None:
+        """Make the line at a place the next one."""
+        place, self.number = mark
+        if self._before <= place <= self._before + len(self._data):
+            self._at = place - self._before
+            return
+        self._before, self._at = place, 0
+        self._stream.seek(place)
+        self._data = self._with_line_feeds(self._stream.read(_BLOCK))
 
     def error(self, message: str) -> BadFileError:
         """Return an error about the last line read."""
         return BadFileError(f"{self.path}, line {self.number}: {message}")
 
-    def _fill(self) -> bool:
-        """Read until there is at least one whole line; False at the end of the file."""
-        self._lines, self._at = [], 0
-        while not self._lines:
-            block = self._stream.read(_BLOCK)
+    def _pass_blank(self) -> None:
+        """Make a line the next one that is not blank, unless it is the last of the file and has no end."""
+        while self._end_of_line() is not None and (blank := _BLANK.match(self._data, self._at)):
+            self.number += self._data.count(b"\n", self._at, blank.end())
+            self._at = blank.end()
+
+    def _stretch(self, count: int, stop: bytes | None) -> int | None:
+        """Where lines end that are held whole: one at least, and some more than `count` at most, none from `stop` on.
+
+        None at the end of the file and where the next line begins with `stop`.
+        """
+        first = self._end_of_line()
+        if first is None or (stop is not None and self._data.startswith(stop, self._at)):
+            return None
+        # of a block with thousands of short frames only the beginning is looked at for each of them
+        window = self._at + _USUAL * count
+        end = max(self._data.rfind(b"\n", self._at, window), first) + 1
+        if stop is not None and (found := self._data.find(b"\n" + stop, self._at, end)) >= 0:
+            end = found + 1
+        return min(end, len(self._data))
+
+    def _end_of_line(self) -> int | None:
+        """Read on until the next line is held, and return where it ends; None at the end of the file."""
+        looked_at = self._at
+        while (end := self._data.find(b"\n", looked_at)) < 0:
+            block = self._with_line_feeds(self._stream.read(_BLOCK))
             if not block:
-                self._lines = [self._rest] if self._rest else []
-                self._rest = ""
+                return len(self._data) if self._at < len(self._data) else None
+            looked_at = len(self._data) - self._at
+            self._before += self._at
+            self._data = self._data[self._at :] + block
+            self._at = 0
+            if looked_at > _LONGEST:
                 break
-            *self._lines, self._rest = (self._rest + block).split("\n")
-            if len(self._rest) > _LONGEST:
-                line = self.number + len(self._lines) + 1
-                raise BadFileError(f"{self.path}, line {line}: longer than {_LONGEST} characters; no table is")
-        return bool(self._lines)
+        if end < 0 or end - self._at > _LONGEST:
+            raise BadFileError(
+                f"{self.path}, line {self.number + 1}: longer than {_LONGEST} bytes; no table has such lines"
+            )
+        return end
 
-
-def read_rows(
-    lines: LineReader, count: int | None, pick: Callable[[list[str], int], Sequence[str]], names: Sequence[str]
-) -> NDArray[np.float64]:
-    """Read rows of numbers.
-
-    Parameters
-    ----------
-    lines : LineReader
-        The lines; the first row is the next of them.
-    count : int or None
-        How many rows; None reads to the end of the file, where blank lines may follow the last row.
-    pick : callable
-        Gives the wanted fields of a row from all its fields and its line number, or raises BadFileError.
-    names : (m,) texts
-        Names of the wanted fields, for messages.
-
-    Returns
-    -------
-    (n, m) array
-        The numbers; fewer than `count` rows if the file ends before.
-
-    Raises
-    ------
-    BadFileError
-        If a field is no finite number; the message names the line and the field.
-    """
-    parts = [np.empty((0, len(names)))]
-    done = 0
-    while count is None or done < count:
-        first = lines.number + 1
-        texts = lines.take(_ROWS if count is None else min(_ROWS, count - done))
-        if count is None:
-            texts = _before_the_end(lines, texts)
-        if not texts:
-            break
-        fields = [pick(text.split(), line) for line, text in enumerate(texts, start=first)]
-        parts.append(numbers(lines.path, fields, names, range(first, first + len(fields))))
-        done += len(texts)
-    return np.concatenate(parts)
-
-
-def _before_the_end(lines: LineReader, texts: list[str]) -> list[str]:
-    """Return the rows before the first blank line, after which nothing but blank lines may come."""
-    blank = next((place for place, text in enumerate(texts) if not text.strip()), None)
-    if blank is None:
-        return texts
-    line = lines.number - len(texts) + blank + 1
-    if any(text.strip() for text in texts[blank:]) or lines.next_filled() is not None:
-        raise BadFileError(f"{lines.path}, line {line}: a blank line between rows of numbers")
-    return texts[:blank]
+    def _with_line_feeds(self, data: bytes) -> bytes:
+        return data.replace(b"\r", b"\n") if self._only_returns else data

@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 
 from bedrad.errors import BadFileError
 from bedrad.packings.files.contents import Contents
-from bedrad.packings.files.lines import LineReader, read_rows
-from bedrad.packings.files.rows import rounding_notes, sorted_by_id
-from bedrad.packings.files.text import numbers, open_text
+from bedrad.packings.files.lines import Lines, open_lines
+from bedrad.packings.files.rows import PickedRows, numbers, read_rows
+from bedrad.packings.files.table_spheres import table_spheres
+from bedrad.packings.files.text import shown
 
 __all__ = ["looks_like_mercury_restart", "read_mercury_restart"]
 
-Pick = Callable[[list[str], int], Sequence[str]]
+Pick = Callable[[str, int], Sequence[str]]
 
 _SECTIONS = ("Species", "Walls", "Boundaries", "Particles")
 _VERSIONS = ("1.0", "3")
@@ -66,35 +67,22 @@ def read_mercury_restart(path: Path) -> Contents:
     BadFileError
         If the file is damaged or is not such a file; the message names the line.
     """
-    with open_text(path) as stream:
-        lines = LineReader(path, stream)
+    with open_lines(path) as lines:
         head = _read_head(lines)
-        first = lines.number + 1
-        pick = _pick_positional(lines) if head.version == _POSITIONAL else _pick_by_keyword(lines)
-        names = ("x", "y", "z", "radius") if head.version == _POSITIONAL else ("x", "y", "z", "radius", "id")
-        values = read_rows(lines, head.count, pick, names)
-    if len(values) < head.count:
+        if head.version == _POSITIONAL:
+            rows = PickedRows(path, ("x", "y", "z", "radius"), _pick_positional(path))
+        else:
+            rows = PickedRows(path, ("x", "y", "z", "radius", "id"), _pick_by_keyword(path))
+        table = read_rows(lines, rows, head.count)
+    if len(table) < head.count:
         raise BadFileError(
-            f"{path}: cut off: {head.count} particles expected, {len(values)} found, "
+            f"{path}: cut off: {head.count} particles expected, {len(table)} found, "
             f"the file ends after line {lines.number}"
         )
-    places: Sequence[int] = list(range(first, first + len(values)))
-    ids: Sequence[int] | None = None
-    if "id" in names:
-        order, places, ids = sorted_by_id(path, values[:, 4], places)
-        values = values[order]
-    centers, radii = np.ascontiguousarray(values[:, :3]), values[:, 3].copy()
-    return Contents(
-        centers=centers,
-        radii=radii,
-        axis_periods=head.periods,
-        provenance=_provenance(path, head) | rounding_notes(centers, radii),
-        lines=places,
-        ids=ids,
-    )
+    return table_spheres(path, table, _provenance(path, head), axis_periods=head.periods)
 
 
-def _read_head(lines: LineReader) -> _Head:
+def _read_head(lines: Lines) -> _Head:
     head = _Head(_read_version(lines))
     section = ""
     while (line := lines.next()) is not None:
@@ -119,18 +107,18 @@ def _read_head(lines: LineReader) -> _Head:
     raise BadFileError(f"{lines.path}: no 'Particles' in the whole file, which ends after line {lines.number}")
 
 
-def _read_version(lines: LineReader) -> str:
+def _read_version(lines: Lines) -> str:
     fields = (lines.next_filled() or "").split()
     if len(fields) >= 2 and fields[0] == "MercuryDPM":
         return fields[1]
     if len(fields) < 2 or fields[0] != "restart_version":
         raise lines.error("expected 'restart_version' or 'MercuryDPM' and a version, the first line of a restart file")
     if fields[1] not in _VERSIONS:
-        raise lines.error(f"restart_version is {fields[1]!r}; those that are read are {', '.join(_VERSIONS)}")
+        raise lines.error(f"restart_version is {shown(fields[1])}; those that are read are {', '.join(_VERSIONS)}")
     return fields[1]
 
 
-def _read_setting(lines: LineReader, head: _Head, fields: list[str]) -> None:
+def _read_setting(lines: Lines, head: _Head, fields: list[str]) -> None:
     for keyword in ("systemDimensions", "dim"):
         if keyword in fields[:-1]:
             head.dimensions = fields[fields.index(keyword) + 1]
@@ -139,13 +127,13 @@ def _read_setting(lines: LineReader, head: _Head, fields: list[str]) -> None:
             head.time = float(_after(lines, fields, keyword, 1)[0])
 
 
-def _particle_count(lines: LineReader, fields: list[str]) -> int:
+def _particle_count(lines: Lines, fields: list[str]) -> int:
     if len(fields) < 2 or not re.fullmatch(r"[0-9]{1,18}", fields[1]):
-        raise lines.error(f"the number of particles is {' '.join(fields[1:])[:60]!r}; expected an integer")
+        raise lines.error(f"the number of particles is {shown(' '.join(fields[1:]))}; expected an integer")
     return int(fields[1])
 
 
-def _after(lines: LineReader, fields: list[str], keyword: str, count: int) -> NDArray[np.float64]:
+def _after(lines: Lines, fields: list[str], keyword: str, count: int) -> NDArray[np.float64]:
     """Return the numbers that follow a keyword."""
     if keyword not in fields:
         raise lines.error(f"{fields[0]} without {keyword!r}")
@@ -157,7 +145,7 @@ def _after(lines: LineReader, fields: list[str], keyword: str, count: int) -> ND
     return row
 
 
-def _read_boundary(lines: LineReader, head: _Head, fields: list[str]) -> None:
+def _read_boundary(lines: Lines, head: _Head, fields: list[str]) -> None:
     if fields[0] != "PeriodicBoundary":
         head.unused[fields[0]] += 1
         return
@@ -183,24 +171,25 @@ def _read_boundary(lines: LineReader, head: _Head, fields: list[str]) -> None:
     head.periods[axis] = (right - left) / length
 
 
-def _pick_by_keyword(lines: LineReader) -> Pick:
+def _pick_by_keyword(path: Path) -> Pick:
     places: list[int] = []
 
     def find(fields: list[str], line: int) -> list[int]:
         if not fields or fields[0].startswith(_NOT_SPHERES):
             kind = fields[0] if fields else "a blank line"
-            raise BadFileError(f"{lines.path}, line {line}: {kind}; expected a spherical particle")
+            raise BadFileError(f"{path}, line {line}: {kind}; expected a spherical particle")
         found = []
         for keyword, count in (("id", 1), ("position", 3), ("radius", 1)):
             if keyword not in fields or fields.index(keyword) + count >= len(fields):
                 raise BadFileError(
-                    f"{lines.path}, line {line}: {fields[0][:60]!r}: no {keyword!r} with {count} numbers after it"
+                    f"{path}, line {line}: {shown(fields[0])}: no {keyword!r} with {count} numbers after it"
                 )
             found.append(fields.index(keyword))
         return found
 
-    def pick(fields: list[str], line: int) -> tuple[str, str, str, str, str]:
+    def pick(text: str, line: int) -> tuple[str, str, str, str, str]:
         nonlocal places
+        fields = text.split()
         # the rows of a file are alike: where the keywords stood last time they stand this time
         if not (
             places
@@ -217,14 +206,15 @@ def _pick_by_keyword(lines: LineReader) -> Pick:
     return pick
 
 
-def _pick_positional(lines: LineReader) -> Pick:
-    def pick(fields: list[str], line: int) -> tuple[str, str, str, str]:
+def _pick_positional(path: Path) -> Pick:
+    def pick(text: str, line: int) -> tuple[str, str, str, str]:
+        fields = text.split()
         # one or two names, then position, velocity and radius
         start = next((place for place, text in enumerate(fields) if not text.isalpha()), len(fields))
         if start not in (1, 2) or len(fields) < start + 7:
             raise BadFileError(
-                f"{lines.path}, line {line}: expected a particle, such as 'BP' and then x y z vx vy vz radius, "
-                f"found {' '.join(fields)[:60]!r}"
+                f"{path}, line {line}: expected a particle, such as 'BP' and then x y z vx vy vz radius, "
+                f"found {shown(' '.join(fields))}"
             )
         return fields[start], fields[start + 1], fields[start + 2], fields[start + 6]
 

@@ -7,17 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bedrad.errors import BadFileError
 from bedrad.packings.files.contents import Contents
-from bedrad.packings.files.lines import LineReader, read_rows
-from bedrad.packings.files.rows import rounding_notes
-from bedrad.packings.files.text import numbers, open_text
+from bedrad.packings.files.lines import Lines, open_lines
+from bedrad.packings.files.rows import RegularRows, Table, numbers, read_rows
+from bedrad.packings.files.table_spheres import table_spheres
+from bedrad.packings.files.text import shown
 
 __all__ = ["looks_like_mfix", "read_mfix"]
-
-FloatArray = NDArray[np.float64]
 
 _VERSION = "2.0"
 _INSTRUCTIONS = 17
@@ -84,55 +82,57 @@ def read_mfix(path: Path) -> Contents:
     BadFileError
         If the file is damaged, or of another version or dimension; the message names the line.
     """
-    with open_text(path) as stream:
-        lines = LineReader(path, stream)
+    with open_lines(path) as lines:
+        start = lines.mark()
         first = lines.next_filled()
         if first is None:
             raise BadFileError(f"{path}: an empty file")
         if first.startswith("Version"):
-            return _read_version_2(lines, first)
-    with open_text(path) as stream:
-        return _read_version_1(LineReader(path, stream))
+            table, version = _read_version_2(lines, first), _VERSION
+        else:
+            lines.go_to(start)
+            table, version = _read_version_1(lines), "1.0"
+    return table_spheres(path, table, {"file": path.name, "format": f"MFiX particles, version {version}"})
 
 
-def _read_version_2(lines: LineReader, first: str) -> Contents:
+def _read_version_2(lines: Lines, first: str) -> Table:
     version = first.removeprefix("Version").strip()
     if version != _VERSION:
-        raise lines.error(f"the version is {version[:60]!r}; the versions that are read are {_VERSION} and 1.0")
+        raise lines.error(f"the version is {shown(version)}; the versions that are read are {_VERSION} and 1.0")
     layout = _read_header(lines)
-    start = lines.number + 1
-    width: int | None = None
-    places = [0, 1, 2] + ([] if layout.diameter_place is None else [layout.diameter_place])
-
-    def pick(fields: list[str], line: int) -> list[str]:
-        nonlocal width
-        wanted = width or layout.fewest
-        if len(fields) != wanted and (width or layout.exact or len(fields) < wanted):
-            more = "" if width or layout.exact else " or more"
-            said = "as the row before" if width else "by the options of the header"
-            raise BadFileError(f"{lines.path}, line {line}: {len(fields)} fields; expected {wanted}{more} {said}")
+    fields = (lines.peek() or "").split()
+    width = layout.fewest
+    if layout.count and fields and len(fields) != width:
+        if layout.exact or len(fields) < width:
+            raise BadFileError(
+                f"{lines.path}, line {lines.number + 1}: {len(fields)} fields; expected {width}"
+                f"{'' if layout.exact else ' or more'} by the options of the header"
+            )
         width = len(fields)
-        return [fields[place] for place in places]
-
-    values = read_rows(lines, layout.count, pick, ("x", "y", "z", "the diameter")[: len(places)])
-    if len(values) < layout.count:
+    places = {"x": 0, "y": 1, "z": 2}
+    if layout.diameter_place is not None:
+        places["diameter"] = layout.diameter_place
+    rows = RegularRows(lines.path, places, width, f"expected {width} as in the first row")
+    table = read_rows(lines, rows, layout.count)
+    if len(table) < layout.count:
         raise BadFileError(
-            f"{lines.path}: cut off: {layout.count} rows expected, {len(values)} found, "
+            f"{lines.path}: cut off: {layout.count} rows expected, {len(table)} found, "
             f"the file ends after line {lines.number}"
         )
-    sizes = values[:, 3] if layout.diameter is None else np.full(len(values), layout.diameter)
-    return _contents(lines.path, values[:, :3], sizes / 2.0, start, _VERSION)
+    if layout.diameter is not None:
+        table.columns["diameter"] = np.full(len(table), layout.diameter)
+    return table
 
 
-def _read_header(lines: LineReader) -> _Layout:
+def _read_header(lines: Lines) -> _Layout:
     for _ in range(_INSTRUCTIONS):
-        _wanted(lines, "the instructions")
+        lines.wanted("the instructions")
     dimension = _integer(lines, "Dimension")
     if dimension != 3:
         raise lines.error(f"the dimension is {dimension}; only files of spheres in space, dimension 3, are read")
     count = _integer(lines, "Particles")
     for _ in range(_HEADING):
-        _wanted(lines, "the heading of the options")
+        lines.wanted("the heading of the options")
     fewest, exact = 0, True
     diameter_place: int | None = None
     diameter: float | None = None
@@ -141,41 +141,34 @@ def _read_header(lines: LineReader) -> _Layout:
         # the program looks at one character
         flag = fields[1][:1].upper() if len(fields) > 1 else ""
         if flag not in ("T", "F") or (name == "Coordinates" and flag == "F"):
-            said = fields[1][:60] if len(fields) > 1 else ""
-            raise lines.error(f"{name} is {said!r}; expected T{'' if name == 'Coordinates' else ' or F'}")
+            said = fields[1] if len(fields) > 1 else ""
+            raise lines.error(f"{name} is {shown(said)}; expected T{'' if name == 'Coordinates' else ' or F'}")
         if name == "Diameter":
             diameter_place, diameter = (fewest, None) if flag == "T" else (None, _default(lines, fields))
         if flag == "T":
             fewest += columns or 0
             exact = exact and columns is not None
     for _ in range(_HEADING):
-        _wanted(lines, "the heading of the columns")
+        lines.wanted("the heading of the columns")
     return _Layout(count, fewest, exact, diameter_place, diameter)
 
 
-def _wanted(lines: LineReader, what: str) -> str:
-    line = lines.next_filled()
-    if line is None:
-        raise BadFileError(f"{lines.path}: cut off after line {lines.number}; expected {what}")
-    return line
-
-
-def _labelled(lines: LineReader, name: str) -> list[str]:
+def _labelled(lines: Lines, name: str) -> list[str]:
     """Read the next line, which must begin with this name."""
-    fields = _wanted(lines, f"the line {name!r}").split()
+    fields = lines.wanted(f"the line {name!r}").split()
     if fields[0].rstrip(":").lower() != name.lower():
-        raise lines.error(f"expected the line {name!r}, found {' '.join(fields)[:60]!r}")
+        raise lines.error(f"expected the line {name!r}, found {shown(' '.join(fields))}")
     return fields
 
 
-def _integer(lines: LineReader, name: str) -> int:
+def _integer(lines: Lines, name: str) -> int:
     fields = _labelled(lines, name)
     if len(fields) < 2 or not re.fullmatch(r"[0-9]{1,18}", fields[1]):
-        raise lines.error(f"{name} is {' '.join(fields[1:])[:60]!r}; expected an integer")
+        raise lines.error(f"{name} is {shown(' '.join(fields[1:]))}; expected an integer")
     return int(fields[1])
 
 
-def _default(lines: LineReader, fields: list[str]) -> float:
+def _default(lines: Lines, fields: list[str]) -> float:
     """The diameter that all particles have."""
     if len(fields) < 3:
         raise lines.error("Diameter is F, and no value follows that all particles have")
@@ -193,27 +186,9 @@ def _may_be_old_row(fields: list[bytes]) -> bool:
     return len(row) == len(_OLD_ROW) and 0 < _LEAST_DENSITY * row[3] <= row[4]
 
 
-def _read_version_1(lines: LineReader) -> Contents:
-    def pick(fields: list[str], line: int) -> list[str]:
-        if len(fields) != len(_OLD_ROW):
-            raise BadFileError(
-                f"{lines.path}, line {line}: {len(fields)} fields; a file of MFiX begins with 'Version {_VERSION}', "
-                f"or has rows {' '.join(_OLD_ROW)}"
-            )
-        return fields
-
-    values = read_rows(lines, None, pick, _OLD_ROW)
-    return _contents(lines.path, values[:, :3], values[:, 3], 1, "1.0")
-
-
-def _contents(path: Path, centers: FloatArray, radii: FloatArray, start: int, version: str) -> Contents:
-    return Contents(
-        centers=np.ascontiguousarray(centers),
-        radii=np.ascontiguousarray(radii),
-        provenance={
-            "file": path.name,
-            "format": f"MFiX particles, version {version}",
-            **rounding_notes(centers, radii),
-        },
-        lines=range(start, start + len(centers)),
-    )
+def _read_version_1(lines: Lines) -> Table:
+    width = len(_OLD_ROW)
+    said = f"a file of MFiX begins with 'Version {_VERSION}', or has rows {' '.join(_OLD_ROW)}"
+    places = {name: place for place, name in enumerate(_OLD_ROW)}
+    # the program passes over blank lines
+    return read_rows(lines, RegularRows(lines.path, places, width, said, lambda text, _: text.split() or None))

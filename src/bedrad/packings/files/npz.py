@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 
 from bedrad.errors import BadFileError
 from bedrad.packings.files.contents import Contents
+from bedrad.packings.placing import Placing, turn_to_z
+from bedrad.walls import Tube
 
 __all__ = ["looks_like_npz", "read_npz"]
 
@@ -34,10 +36,10 @@ _LARGEST_META = 2**20
 _SUFFIX = ".npy"
 _ZIP_START = b"PK\x03\x04"
 
-_HARMLESS = 2**26
+_HARMLESS = 2**24
 """Up to here an array may unpack to however many times its size in the file. [bytes]"""
 
-_LARGEST_RATIO = 200
+_LARGEST_RATIO = 100
 """What arrays larger than that may unpack to, in sizes that they take in the file: positions hardly pack at all."""
 
 _LARGEST_HEADER = 10_000
@@ -79,8 +81,8 @@ def read_npz(path: Path) -> Contents:
 
     Positions of shape (n, 3) are the array `positions` (or `centers`, `centres`, `coordinates`, `points`, `pos`,
     `xyz`); sizes are `radii` (`radius`, `r`) or `diameters` (`diameter`, `d`), one for each sphere or one for all, and
-    may be missing. The container in spheropack's `meta` gives periods, and the middle of a curved one is moved to 0:
-    the axis of a cylinder along z to x = y = 0.
+    may be missing. The container in spheropack's `meta` gives the periods. A cylinder is a tube, whose axis is moved to
+    x = y = 0 and turned to z; of other curved containers the middle is moved to 0.
 
     Raises
     ------
@@ -164,6 +166,9 @@ def _array(path: Path, archive: zipfile.ZipFile, name: str, info: zipfile.ZipInf
         shape, fortran, dtype = _header(path, name, stream)
         size = math.prod(shape) * dtype.itemsize
         held = info.file_size - stream.tell()
+        # integers of one byte grow to eight
+        if 8 * math.prod(shape) > most and not stored:
+            raise BadFileError(f"{path}: array {name!r} claims to hold {shape} numbers in {packed} bytes")
         if size != held:
             raise BadFileError(f"{path}: array {name!r} of shape {shape} takes {size} bytes; the file holds {held}")
         return np.ndarray(shape, dtype, buffer=stream.read(), order="F" if fortran else "C")
@@ -233,16 +238,28 @@ def _contained(
         axes = [] if ball is None else [bool(axis) for axis in ball["axes"]]
         if len(lengths) != 3 or len(periodic) != 3 or not all(0 < length < math.inf for length in lengths):
             raise ValueError("expected three positive lengths and three flags")
+        if ball is not None and (len(axes) != 3 or not any(axes)):
+            raise ValueError("expected three flags of axes, of which one is set")
         periods = {axis: lengths[axis] for axis in range(3) if periodic[axis]}
         if ball is None:
             return Contents(centers, radii, axis_periods=periods, provenance=provenance)
-        middle = np.array([float(value) for value in ball["center"]])
-        kind = "cylinder" if sum(axes) == 2 else "sphere" if sum(axes) == 3 else "slab"
-        note = f"{kind} of radius {float(ball['radius'])!r}, its middle moved to 0"
-        centers = centers - np.where(axes, middle, 0.0)
+        middle = np.where(axes, np.array([float(value) for value in ball["center"]]), 0.0)
+        kind = {2: "cylinder", 3: "sphere"}.get(sum(axes), "slab")
+        notes = {**provenance, "container": f"{kind} of radius {float(ball['radius'])!r}, its middle moved to 0"}
+        if kind != "cylinder":
+            # no wall that bedrad knows
+            return Contents(centers - middle, radii, axis_periods=periods, provenance=notes)
+        # along z the turn is none, and no number changes by it
+        placing = Placing(tuple(middle.tolist()), turn_to_z(np.eye(3)[axes.index(False)]))
+        return Contents(
+            placing.place(centers),
+            radii,
+            wall=Tube(float(ball["radius"])),
+            period=placing.periods(periods).get(Tube.axial),
+            provenance=notes,
+            wall_in_file_unit=True,
+        )
     except (LookupError, TypeError, ValueError) as error:
         raise BadFileError(
             f"{path}: spheropack's container {str(container)[:200]} is not understood: {error}"
         ) from error
-    # the radius is in the unit of the file, whatever that is, and so no wall yet
-    return Contents(centers, radii, axis_periods=periods, provenance={**provenance, "container": note})

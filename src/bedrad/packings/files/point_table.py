@@ -11,11 +11,16 @@ import numpy as np
 from bedrad.errors import BadFileError
 from bedrad.packings.files.contents import Contents
 from bedrad.packings.files.format import Columns
-from bedrad.packings.files.rows import Rows, filled_lines, rounding_notes, sorted_by_id
-from bedrad.packings.files.text import open_text
+from bedrad.packings.files.lines import Lines, open_lines
+from bedrad.packings.files.rows import RegularRows, is_number, read_rows
+from bedrad.packings.files.table_spheres import table_spheres
+from bedrad.packings.files.text import shown
 from bedrad.packings.files.units import LENGTH_UNITS, metres
 
 __all__ = ["looks_like_points", "read_points"]
+
+Header = tuple[int, list[str]]
+"""The line of a header, and its words."""
 
 _COMMENTS = ("#", "%", "!", "//", ";")
 _NAMES = {
@@ -51,7 +56,7 @@ def looks_like_points(head: bytes) -> bool:
     rows = [line.split() for line in lines if line.strip() and not line.lstrip().startswith(_COMMENTS)]
     width = len(rows[0]) if rows else 0
     rows = rows[1 if rows and _only_words(rows[0]) else 0 :][:_ROWS_LOOKED_AT]
-    return width >= 3 and bool(rows) and all(len(row) == width and all(map(_is_number, row)) for row in rows)
+    return width >= 3 and bool(rows) and all(len(row) == width and all(map(is_number, row)) for row in rows)
 
 
 def read_points(path: Path, columns: Columns | None = None) -> Contents:
@@ -75,61 +80,54 @@ def read_points(path: Path, columns: Columns | None = None) -> Contents:
         If it is not clear which column is which, or a row cannot be understood; the message names the line.
     """
     asked = {name: str(column) for name, column in (columns or {}).items()}
-    rows: Rows | None = None
-    comment: tuple[int, list[str]] | None = None
-    header: tuple[int, list[str]] | None = None
-    unit: str | None = None
-    with open_text(path) as stream:
-        for number, text in filled_lines(path, stream):
-            if text.startswith(_COMMENTS):
-                if rows is None:
-                    words = text.lstrip("#%!/; \t").split()
-                    comment = (number, words[1:] if words and words[0].endswith(":") else words)
-                continue
-            if rows is None:
-                cells = text.split()
-                if header is None and _only_words(cells):
-                    header = (number, cells)
-                    continue
-                if header is None and comment and len(comment[1]) == len(cells) and _names(comment[1], asked):
-                    header = comment
-                places, unit = _places(path, number, len(cells), header, asked)
-                rows = Rows(path, places, len(cells), f"the first row, line {number}, has {len(cells)}")
-            rows.add(number, text)
-    if rows is None:
-        found = f" after the header {' '.join(header[1])[:60]!r} in line {header[0]}" if header else ""
-        raise BadFileError(f"{path}: no row of numbers{found}; expected x y z and, where it is known, the radius")
-    return _contents(path, rows, unit, named=header is not None or bool(asked))
-
-
-def _contents(path: Path, rows: Rows, unit: str | None, *, named: bool) -> Contents:
-    found, lines = rows.finish()
-    first = found["x"]
-    if not named and len(first) >= _RUNNING and first[0] in (0, 1) and (np.diff(first) == 1).all():
+    with open_lines(path) as lines:
+        first, header = _before_the_rows(lines, asked)
+        line = lines.number + 1
+        places, unit = _places(path, line, len(first), header, asked)
+        said = f"the first row, line {line}, has {len(first)}"
+        table = read_rows(lines, RegularRows(path, places, len(first), said, _cells))
+    x = table.columns["x"]
+    if not (header or asked) and len(x) >= _RUNNING and x[0] in (0, 1) and (np.diff(x) == 1).all():
         raise BadFileError(
-            f"{path}, line {lines[0]}: the first column only counts the rows; say which columns are x, y and z"
+            f"{path}, line {line}: the first column only counts the rows; say which columns are x, y and z"
         )
-    centers = np.stack([first, found["y"], found["z"]], axis=1)
-    radii = found["radius"] if "radius" in found else found["diameter"] / 2 if "diameter" in found else None
-    ids = None
-    if "id" in found:
-        order, lines, ids = sorted_by_id(path, found["id"], lines)
-        centers = centers[order]
-        radii = None if radii is None else radii[order]
-    notes = rounding_notes(centers, radii)
-    metre = 1.0 if unit is None else metres(unit)
-    return Contents(
-        centers=centers * metre,
-        radii=None if radii is None else radii * metre,
-        provenance={"file": path.name, "format": "table of points", **notes},
-        lines=lines,
-        ids=ids,
+    return table_spheres(
+        path,
+        table,
+        {"file": path.name, "format": "table of points"},
+        metre=1.0 if unit is None else metres(unit),
         states_unit=unit is not None,
     )
 
 
+def _before_the_rows(lines: Lines, asked: Columns) -> tuple[list[str], Header | None]:
+    """Read up to the first row, and return its fields and the header, if there is one."""
+    comment: Header | None = None
+    header: Header | None = None
+    while (text := lines.peek_filled()) is not None:
+        text = text.strip()
+        if text.startswith(_COMMENTS):
+            words = text.lstrip("#%!/; \t").split()
+            comment = (lines.number + 1, words[1:] if words and words[0].endswith(":") else words)
+        else:
+            cells = text.split()
+            if header is not None or not _only_words(cells):
+                if header is None and comment and len(comment[1]) == len(cells) and _names(comment[1], asked):
+                    header = comment
+                return cells, header
+            header = (lines.number + 1, cells)
+        lines.next()
+    found = f" after the header {shown(' '.join(header[1]))} in line {header[0]}" if header else ""
+    raise BadFileError(f"{lines.path}: no row of numbers{found}; expected x y z and, where it is known, the radius")
+
+
+def _cells(text: str, _: int) -> list[str] | None:
+    text = text.strip()
+    return None if not text or text.startswith(_COMMENTS) else text.split()
+
+
 def _places(
-    path: Path, line: int, width: int, header: tuple[int, list[str]] | None, columns: Columns
+    path: Path, line: int, width: int, header: Header | None, columns: Columns
 ) -> tuple[dict[str, int], str | None]:
     """Find the place of every quantity, and the unit that the header gives for all of them."""
     names = header[1] if header else []
@@ -166,14 +164,14 @@ def _place(path: Path, line: int, width: int, names: Sequence[str], name: str, a
         return list(names).index(asked)
     if asked.isascii() and asked.isdigit() and 1 <= int(asked[:9]) <= width:
         return int(asked) - 1
-    known = f" or one of {', '.join(names)}" if names else ", as no header names them"
-    raise BadFileError(f"{path}, line {line}: {name} is asked from column {asked!r}; expected 1 to {width}{known}")
+    known = f" or one of {', '.join(names)[:200]}" if names else ", as no header names them"
+    raise BadFileError(f"{path}, line {line}: {name} is asked from column {shown(asked)}; expected 1 to {width}{known}")
 
 
 def _check(path: Path, line: int, names: Sequence[str], places: dict[str, int]) -> None:
     lacking = [name for name in "xyz" if name not in places]
     if lacking:
-        there = f"; the header has {', '.join(names)}" if names else ""
+        there = f"; the header has {', '.join(names)[:200]}" if names else ""
         raise BadFileError(f"{path}, line {line}: no column {', '.join(lacking)}{there}; say which columns they are")
     taken: dict[int, str] = {}
     for name, place in places.items():
@@ -182,17 +180,19 @@ def _check(path: Path, line: int, names: Sequence[str], places: dict[str, int]) 
         taken[place] = name
 
 
-def _unit(path: Path, header: tuple[int, list[str]] | None, places: dict[str, int]) -> str | None:
+def _unit(path: Path, header: Header | None, places: dict[str, int]) -> str | None:
     if header is None:
         return None
     units = {name: _bare(header[1][place])[1] for name, place in places.items() if name != "id"}
     said = set(units.values())
     if len(said) != 1:
-        each = ", ".join(f"{name} {unit or 'none'}" for name, unit in units.items())
+        each = ", ".join(f"{name} {(unit or 'none')[:20]}" for name, unit in units.items())
         raise BadFileError(f"{path}, line {header[0]}: units differ: {each}; expected one unit for all columns")
     unit = said.pop()
     if unit is not None and unit not in LENGTH_UNITS:
-        raise BadFileError(f"{path}, line {header[0]}: the unit is {unit!r}; expected one of {', '.join(LENGTH_UNITS)}")
+        raise BadFileError(
+            f"{path}, line {header[0]}: the unit is {shown(unit)}; expected one of {', '.join(LENGTH_UNITS)}"
+        )
     return unit
 
 
@@ -209,12 +209,4 @@ def _names(words: Sequence[str], asked: Columns) -> bool:
 
 
 def _only_words(cells: Sequence[str]) -> bool:
-    return not any(map(_is_number, cells))
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+    return not any(map(is_number, cells))

@@ -122,7 +122,7 @@ def as_packing(path: Path, held: Contents, options: Options) -> Packing:
 
 
 def _in_metres(path: Path, held: Contents, unit: str | None) -> Contents:
-    if held.states_unit or (held.wall is not None and not held.no_unit):
+    if held.states_unit:
         if unit is not None:
             raise ValueError(f"the unit {unit!r} was given, but {path} states the unit of its lengths")
         return held
@@ -130,14 +130,7 @@ def _in_metres(path: Path, held: Contents, unit: str | None) -> Contents:
         if held.no_unit:
             raise BadFileError(f"{path}, {held.no_unit}; give the unit of its lengths, such as 'mm'")
         return replace(held, provenance={**held.provenance, "length_unit": "m, assumed"})
-    factor = metres(unit)
-    return replace(
-        held,
-        centers=held.centers * factor,
-        radii=None if held.radii is None else held.radii * factor,
-        axis_periods={axis: length * factor for axis, length in held.axis_periods.items()},
-        provenance={**held.provenance, "length_unit": f"{unit.strip()}, as given"},
-    )
+    return held.scaled(metres(unit), {**held.provenance, "length_unit": f"{unit.strip()}, as given"})
 
 
 def _sizes(path: Path, held: Contents, diameter: float | None) -> FloatArray:

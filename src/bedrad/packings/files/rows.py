@@ -1,165 +1,285 @@
-"""Rows of a table among comments: read a block at a time, put in the order of ids, and what their digits allow."""
+"""Rows of numbers in text files, read a block at a time: however large a file is or claims to be."""
 
 from __future__ import annotations
 
-import math
-from array import array
-from collections.abc import Iterator, Mapping, Sequence
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TextIO
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bedrad.errors import BadFileError
-from bedrad.packings.files.lines import LineReader
-from bedrad.packings.files.text import numbers
+from bedrad.packings.files.lines import Lines
+from bedrad.packings.files.text import shown
 
-__all__ = ["Rows", "filled_lines", "rounding_notes", "sorted_by_id"]
+__all__ = ["PickedRows", "RegularRows", "Table", "is_number", "numbers", "read_rows"]
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
-_BLOCK_ROWS = 20_000
-_BLOCK_CHARACTERS = 2**22
-"""How much text is held before it is turned into numbers."""
+_ROWS_AT_ONCE = 1 << 14
+"""How many rows are held as text."""
 
-_FULL_DIGITS = 15
-"""Decimal digits that every double can hold."""
-
-_SAMPLE = 1000
-"""Rows whose digits are counted."""
+_MOST_WITHOUT = 1_000_000
+"""Lines of comments and blanks that may come one after the other in a table."""
 
 
-def filled_lines(path: Path, stream: TextIO) -> Iterator[tuple[int, str]]:
-    """Yield the lines of a text stream that are not blank, without the space around them, and their numbers from 1.
+@dataclass(frozen=True)
+class Table:
+    """Columns of numbers, and where their rows stood.
 
-    Raises
-    ------
-    BadFileError
-        If a line is longer than any line of a table can be.
+    Parameters
+    ----------
+    columns : mapping of str to (n,) array
+        The columns by name.
+    lines : (n,) array
+        Line number of every row, from 1.
     """
-    lines = LineReader(path, stream)
-    while texts := lines.take(_BLOCK_ROWS):
-        for number, text in enumerate(map(str.strip, texts), start=lines.number - len(texts) + 1):
-            if text:
-                yield number, text
+
+    columns: dict[str, FloatArray]
+    lines: IntArray
+
+    def __len__(self) -> int:
+        return len(self.lines)
 
 
-class Rows:
-    """Collects rows of a table and turns them into numbers block by block, so that the text is not kept.
+class Rows(Protocol):
+    """How the lines of a table are turned into numbers: `RegularRows`, or `PickedRows`."""
+
+    @property
+    def names(self) -> Sequence[str]:
+        """Names of the columns."""
+        ...
+
+    def parse(self, lines: Sequence[bytes], first: int) -> tuple[FloatArray, IntArray]:
+        """Return the numbers of the rows among some lines, (n, m), and the line of every row.
+
+        Raises
+        ------
+        BadFileError
+            If a row cannot be understood, or a field is no finite number; the message names the line.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class PickedRows:
+    """Rows whose fields are looked for line by line.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        The file, for messages.
+    names : sequence of str
+        Names of the wanted fields.
+    pick : callable
+        Gives the wanted fields of a line from its text and its number; None for a line that is no row, such as a
+        comment. Raises BadFileError.
+    """
+
+    path: Path
+    names: Sequence[str]
+    pick: Callable[[str, int], Sequence[str] | None]
+
+    def parse(self, lines: Sequence[bytes], first: int) -> tuple[FloatArray, IntArray]:
+        """As `Rows.parse`."""
+        fields: list[Sequence[str]] = []
+        places: list[int] = []
+        for line, text in enumerate(lines, start=first):
+            wanted = self.pick(text.decode(errors="replace"), line)
+            if wanted is not None:
+                fields.append(wanted)
+                places.append(line)
+        return numbers(self.path, fields, self.names, places), np.array(places, dtype=np.int64)
+
+
+def _words(text: str, _: int) -> list[str]:
+    return text.split()
+
+
+@dataclass(frozen=True)
+class RegularRows:
+    """Rows with equally many fields, read many at once, and one by one only where something is wrong with them.
 
     Parameters
     ----------
     path : pathlib.Path
         The file, for messages.
     places : mapping of str to int
-        Name of every wanted column, for messages, and its place in the row, from 0.
+        Name of every wanted column, and its place in a row, from 0.
     width : int
         Fields that every row has.
     said : str
-        What says so, for messages; e.g. ``"the first row has 4"``.
+        What says so, for messages; e.g. ``"the header names 4 columns"``.
+    split : callable
+        Gives the fields of a line from its text and its number; None for a line that is no row, such as a comment.
+    separator : str or None
+        What stands between two fields; None for white space.
+    open_end : bool
+        Whether rows may have more fields.
     """
 
-    def __init__(self, path: Path, places: Mapping[str, int], width: int, said: str) -> None:
-        self._path, self._width, self._said = path, width, said
-        self._names, self._places = list(places), list(places.values())
-        self._texts: list[str] = []
-        self._characters = 0
-        self._blocks: list[FloatArray] = []
-        # numbers in few bytes: as Python integers they would take more memory than the spheres
-        self._lines = array("q")
+    path: Path
+    places: Mapping[str, int]
+    width: int
+    said: str
+    split: Callable[[str, int], list[str] | None] = _words
+    separator: str | None = None
+    open_end: bool = False
 
-    def __len__(self) -> int:
-        return len(self._lines)
+    @property
+    def names(self) -> Sequence[str]:
+        """Names of the wanted columns."""
+        return list(self.places)
 
-    def add(self, line: int, text: str) -> None:
-        """Take one row, the text of the line of this number; errors are those of `finish`."""
-        self._texts.append(text)
-        self._lines.append(line)
-        self._characters += len(text)
-        if len(self._texts) >= _BLOCK_ROWS or self._characters >= _BLOCK_CHARACTERS:
-            self._convert()
+    def parse(self, lines: Sequence[bytes], first: int) -> tuple[FloatArray, IntArray]:
+        """As `Rows.parse`."""
+        values = self._at_once(lines)
+        if values is not None:
+            return values, np.arange(first, first + len(lines))
+        return PickedRows(self.path, self.names, self._pick).parse(lines, first)
 
-    def finish(self) -> tuple[dict[str, FloatArray], Sequence[int]]:
-        """Return the columns by name, and the line of every row.
+    def _pick(self, text: str, line: int) -> list[str] | None:
+        cells = self.split(text, line)
+        if cells is None:
+            return None
+        if len(cells) < self.width or (len(cells) > self.width and not self.open_end):
+            raise BadFileError(f"{self.path}, line {line}: {len(cells)} fields; {self.said}")
+        return [cells[place] for place in self.places.values()]
 
-        Raises
-        ------
-        BadFileError
-            If a row has another number of fields, or a field is no finite number; the message names the line.
-        """
-        self._convert()
-        values = np.concatenate([*self._blocks, np.empty((0, len(self._names)))])
-        return dict(zip(self._names, values.T, strict=True)), self._lines
+    def _at_once(self, lines: Sequence[bytes]) -> FloatArray | None:
+        """The same, where every line is a row of finite numbers with the right number of fields."""
+        text = b"\n".join(lines)
+        # some bytes of UTF-8 are white space to NumPy
+        if not text.isascii() or b'"' in text:
+            return None
+        if not self.open_end and _fields(text, len(lines), self.separator) != self.width * len(lines):
+            return None
+        try:
+            # asking for the last field too makes sure that no row is short, so that none is long either
+            values = np.loadtxt(
+                lines,
+                delimiter=self.separator,
+                comments=None,
+                usecols=[*self.places.values(), self.width - 1],
+                ndmin=2,
+            )
+        except ValueError:
+            return None
+        wanted = values[:, : len(self.places)]
+        return wanted if len(values) == len(lines) and np.isfinite(wanted).all() else None
 
-    def _convert(self) -> None:
-        lines = self._lines[len(self._lines) - len(self._texts) :]
-        cells = [text.split() for text in self._texts]
-        for line, row in zip(lines, cells, strict=True):
-            if len(row) != self._width:
-                raise BadFileError(f"{self._path}, line {line}: {len(row)} fields; {self._said}")
-        wanted = [[row[place] for place in self._places] for row in cells]
-        self._blocks.append(numbers(self._path, wanted, self._names, lines))
-        self._texts.clear()
-        self._characters = 0
 
+def read_rows(lines: Lines, rows: Rows, count: int | None = None, stop: bytes | None = None) -> Table:
+    """Read rows of numbers; memory grows with what is read, not with what a header claims.
 
-def sorted_by_id(
-    path: Path, ids: FloatArray, lines: Sequence[int]
-) -> tuple[NDArray[np.int64], Sequence[int], Sequence[int]]:
-    """Return the order that sorts the ids, and the lines and ids in that order.
+    Parameters
+    ----------
+    lines : Lines
+        The lines; the first row is the next of them.
+    rows : RegularRows or PickedRows
+        What the rows look like.
+    count : int, optional
+        How many lines there are; if not given, all to the end of the file.
+    stop : bytes, optional
+        What a line begins with that ends the rows before their time.
+
+    Returns
+    -------
+    Table
+        The columns; fewer than `count` rows if the file ends before, or a line begins with `stop`.
 
     Raises
     ------
     BadFileError
-        If an id is no integer or comes twice; the message names the lines.
+        If a row cannot be understood, or a field is no finite number; the message names the line.
     """
-    broken = np.flatnonzero((ids != np.floor(ids)) | (np.abs(ids) > 2**53))
-    if len(broken):
-        i = int(broken[0])
-        raise BadFileError(f"{path}, line {lines[i]}: id is {ids[i]}; expected an integer")
-    order = np.argsort(ids, kind="stable")
-    twice = np.flatnonzero(np.diff(ids[order]) == 0)
-    if len(twice):
-        first, second = (int(order[k]) for k in (twice[0], twice[0] + 1))
-        raise BadFileError(f"{path}, lines {lines[first]} and {lines[second]}: both have the id {int(ids[first])}")
-    numbered = np.asarray(lines, dtype=np.int64)[order]
-    return order, array("q", numbered.tobytes()), array("q", ids[order].astype(np.int64).tobytes())
+    parts: list[FloatArray] = []
+    places: list[IntArray] = []
+    left = sys.maxsize if count is None else count
+    last = lines.number
+    while left:
+        first = lines.number + 1
+        taken = lines.take(min(left, _ROWS_AT_ONCE), stop)
+        if not taken:
+            break
+        part, place = rows.parse(taken, first)
+        parts.append(part)
+        places.append(place)
+        left -= len(taken)
+        last = lines.number if len(place) else last
+        if lines.number - last > _MOST_WITHOUT:
+            raise lines.error(f"no row of numbers among the last {_MOST_WITHOUT} lines")
+    values = _put_together(parts, len(rows.names))
+    return Table(dict(zip(rows.names, values.T, strict=True)), np.concatenate([np.empty(0, np.int64), *places]))
 
 
-def rounding_notes(centers: FloatArray, radii: FloatArray | None) -> dict[str, str | float | int]:
-    """Say how far the positions are rounded, for the provenance of a packing from a text.
+def _put_together(parts: list[FloatArray], width: int) -> FloatArray:
+    """Return all rows, and give back the memory of each part as soon as it is copied."""
+    whole = np.empty((sum(map(len, parts)), width))
+    end = len(whole)
+    while parts:
+        part = parts.pop()
+        whole[end - len(part) : end] = part
+        end -= len(part)
+    return whole
 
-    Two spheres in contact are apart in such a file, or overlap, by up to what their digits leave open: a tolerance
-    for contacts below that counts the rounding.
+
+def numbers(path: Path, fields: Sequence[Sequence[str]], names: Sequence[str], lines: Sequence[int]) -> FloatArray:
+    """Turn rows of text fields into finite numbers.
 
     Parameters
     ----------
-    centers : (n, 3) array
-        Sphere centres, as the file has them.
-    radii : (n,) array or None
-        Sphere radii, in the same unit.
+    path : pathlib.Path
+        The file, for the message.
+    fields : (n, m) texts
+        The fields.
+    names : (m,) texts
+        Column names, for the message.
+    lines : (n,) integers
+        Line number of every row, for the message.
 
     Returns
     -------
-    dict
-        `position_digits`: significant digits of the positions (at least 6, the fewest that programs print by
-        default); `gap_rounding_radii`: bound of the rounding of a gap between two spheres, in mean radii. Empty
-        where the positions have all digits of a double, or there are none.
+    (n, m) array
+        The numbers, correctly rounded.
+
+    Raises
+    ------
+    BadFileError
+        If a field is no number, or is not finite; the message names the line and the column.
     """
-    step = max(1, len(centers) // _SAMPLE)
-    sample = centers[::step].ravel().tolist()
-    digits = next((d for d in range(6, _FULL_DIGITS) if all(float(f"{x:.{d}g}") == x for x in sample)), None)
-    if digits is None or not sample:
-        return {}
-    notes: dict[str, str | float | int] = {"position_digits": digits}
-    if radii is not None and radii.min() > 0:
-        # every coordinate of both centres may be half a unit of its last digit off, and so may both radii
-        apart = 2 * math.sqrt(3) * _half_unit(float(np.abs(centers).max()), digits)
-        notes["gap_rounding_radii"] = float((apart + 2 * _half_unit(float(radii.max()), digits)) / float(radii.mean()))
-    return notes
+    try:
+        values = np.array(fields, dtype=np.float64).reshape(len(fields), len(names))
+    except ValueError:
+        row, column = next((i, j) for i, row in enumerate(fields) for j, text in enumerate(row) if not is_number(text))
+        raise BadFileError(
+            f"{path}, line {lines[row]}: {names[column]} is {shown(fields[row][column])}; expected a number"
+        ) from None
+    bad = np.argwhere(~np.isfinite(values))
+    if len(bad):
+        row, column = (int(k) for k in bad[0])
+        raise BadFileError(
+            f"{path}, line {lines[row]}: {names[column]} is {shown(fields[row][column])}; expected a finite number"
+        )
+    return values
 
 
-def _half_unit(largest: float, digits: int) -> float:
-    """Half a unit in the last of so many significant digits."""
-    return 0.5 * 10.0 ** (math.floor(math.log10(largest)) + 1 - digits) if largest > 0 else 0.0
+def is_number(text: str | bytes) -> bool:
+    """Whether a text is a number, finite or not."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _fields(text: bytes, rows: int, separator: str | None) -> int:
+    """Fields in a text of so many lines."""
+    if separator is not None:
+        return text.count(separator.encode()) + rows
+    blank = np.frombuffer(text, np.uint8) <= ord(" ")
+    return int(np.count_nonzero(blank[1:] & ~blank[:-1])) + int(len(blank) > 0 and not blank[-1])

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from bedrad.errors import BadFileError
 
-__all__ = ["Source", "natural_key", "source_files"]
+__all__ = ["Source", "is_pattern", "natural_key", "source_files"]
 
 PathLike = str | os.PathLike[str]
 Source = PathLike | Iterable[PathLike]
@@ -25,6 +25,11 @@ def natural_key(path: Path) -> tuple[tuple[int, int | str], ...]:
     """Key that sorts names by the numbers in them: ``dump_9.vtk`` before ``dump_10.vtk``."""
     parts = _NUMBER.split(path.name)
     return tuple((0, int(part)) if place % 2 else (1, part) for place, part in enumerate(parts))
+
+
+def is_pattern(path: Path) -> bool:
+    """Whether a name has wild cards and is not just the odd name of a file."""
+    return bool(_WILD.search(path.name)) and not path.exists()
 
 
 def source_files(source: Source, suffixes: Sequence[str]) -> list[Path]:
@@ -52,7 +57,7 @@ def source_files(source: Source, suffixes: Sequence[str]) -> list[Path]:
     path = Path(source)
     if path.is_dir():
         return _of_folder(path, suffixes)
-    if path.exists() or not _WILD.search(path.name):
+    if not is_pattern(path):
         return [path]
     if _WILD.search(str(path.parent)) and not path.parent.exists():
         raise BadFileError(f"{path}: wild cards in the name of a folder; expected them in the last part only")

@@ -1,60 +1,53 @@
-"""What the readers of text formats share: opening (gzip or plain), and turning fields into numbers."""
+"""Opening files, plain or packed with gzip, and showing what they hold in messages."""
 
 from __future__ import annotations
 
 import gzip
 import io
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO, TextIO, cast
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import BinaryIO, cast
 
 from bedrad.errors import BadFileError
 
-__all__ = ["GZIP_MAGIC", "first_bytes", "numbers", "open_text"]
+__all__ = ["first_bytes", "open_bytes", "shown"]
 
-GZIP_MAGIC = b"\x1f\x8b"
+_GZIP_MAGIC = b"\x1f\x8b"
+
+_HARMLESS = 1 << 24
+"""What any gzip file may unpack to. [bytes]"""
+
+_LARGEST_RATIO = 25
+"""What a larger one may unpack to, in packed sizes: coordinates of spheres shrink to a half or a third, the most
+regular tables to a twentieth, and nothing but repetition beyond that. Who has such a file can unpack it."""
+
+_SHOWN = 60
+"""How much of a text from a file stands in a message. [characters]"""
 
 
 def first_bytes(path: Path, count: int = 8192) -> bytes:
-    """Return the first bytes of a file, unpacked if it is a gzip file.
+    """Return the first bytes of a file, unpacked if it is a gzip file; errors as for `open_bytes`."""
+    with open_bytes(path) as stream:
+        return stream.read(count)
+
+
+@contextmanager
+def open_bytes(path: Path) -> Iterator[BinaryIO]:
+    """Open a file, gzip or plain, for reading.
 
     Raises
     ------
     BadFileError
-        If the file is missing, is a folder, cannot be opened, or is a broken gzip file.
+        If it cannot be opened, or the gzip stream is broken, cut off, or unpacks to far more than any table of spheres
+        does, also while it is read.
     """
-    with _reading(path), path.open("rb") as stream:
-        packed = stream.read(len(GZIP_MAGIC)) == GZIP_MAGIC
-        stream.seek(0)
-        return (cast(BinaryIO, gzip.GzipFile(fileobj=stream)) if packed else stream).read(count)
-
-
-@contextmanager
-def open_text(path: Path) -> Iterator[TextIO]:
-    """Open a text file, gzip or plain, for reading line by line.
-
-    Raises
-    ------
-    BadFileError
-        If it cannot be opened or the gzip stream is broken or cut off, also while the lines are read.
-    """
-    with _reading(path), path.open("rb") as stream:
-        packed = stream.read(len(GZIP_MAGIC)) == GZIP_MAGIC
-        stream.seek(0)
-        plain = cast(BinaryIO, gzip.GzipFile(fileobj=stream)) if packed else stream
-        # bytes that are no UTF-8 turn into a sign that no number contains, and are refused with their line
-        yield io.TextIOWrapper(plain, encoding="utf-8-sig", errors="replace")
-
-
-@contextmanager
-def _reading(path: Path) -> Iterator[None]:
     try:
-        yield
+        with path.open("rb") as stream:
+            packed = stream.read(len(_GZIP_MAGIC)) == _GZIP_MAGIC
+            stream.seek(0)
+            yield cast(BinaryIO, io.BufferedReader(_Unpacked(path, stream))) if packed else stream
     except FileNotFoundError as error:
         raise BadFileError(f"{path}: no such file") from error
     except IsADirectoryError as error:
@@ -65,51 +58,43 @@ def _reading(path: Path) -> Iterator[None]:
         raise BadFileError(f"{path}: cannot be read: {error.strerror or error}") from error
 
 
-def numbers(
-    path: Path, fields: Sequence[Sequence[str]], names: Sequence[str], lines: Sequence[int]
-) -> NDArray[np.float64]:
-    """Turn rows of text fields into finite numbers.
+class _Unpacked(io.RawIOBase):
+    """The bytes of a gzip file, as long as they are in proportion to its size."""
 
-    Parameters
-    ----------
-    path : pathlib.Path
-        The file, for the message.
-    fields : (n, m) texts
-        The fields.
-    names : (m,) texts
-        Column names, for the message.
-    lines : (n,) integers
-        Line number of every row, for the message.
+    def __init__(self, path: Path, stream: BinaryIO) -> None:
+        self._path = path
+        self._packed = stream
+        self._gzip = gzip.GzipFile(fileobj=stream)
 
-    Returns
-    -------
-    (n, m) array
-        The numbers, correctly rounded.
+    def readable(self) -> bool:
+        return True
 
-    Raises
-    ------
-    BadFileError
-        If a field is no number, or is not finite; the message names the line and the column.
-    """
-    try:
-        values = np.array(fields, dtype=np.float64).reshape(len(fields), len(names))
-    except ValueError:
-        row, column = next((i, j) for i, row in enumerate(fields) for j, text in enumerate(row) if not _is_number(text))
-        raise BadFileError(
-            f"{path}, line {lines[row]}: {names[column]} is {fields[row][column]!r}; expected a number"
-        ) from None
-    bad = np.argwhere(~np.isfinite(values))
-    if len(bad):
-        row, column = (int(k) for k in bad[0])
-        raise BadFileError(
-            f"{path}, line {lines[row]}: {names[column]} is {fields[row][column]!r}; expected a finite number"
-        )
-    return values
+    def seekable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]
+        count = self._gzip.readinto(buffer)
+        self._check(self._gzip.tell(), self._packed.tell())
+        return count
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET, /) -> int:
+        if whence == io.SEEK_SET:
+            self._check(offset, self._path.stat().st_size)
+        return self._gzip.seek(offset, whence)
+
+    def tell(self) -> int:
+        return self._gzip.tell()
+
+    def _check(self, place: int, packed: int) -> None:
+        """Refuse to go as far as a place that so many packed bytes cannot reach."""
+        if place > max(_HARMLESS, _LARGEST_RATIO * packed):
+            raise BadFileError(
+                f"{self._path}: the gzip file unpacks to {place} bytes and more, over {_LARGEST_RATIO} times what is "
+                "packed, as no table of spheres does; if this one is right, unpack it first"
+            )
 
 
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+def shown(text: object) -> str:
+    """Return a text from a file as it stands in messages: in quotes, without line ends, and not longer than a line."""
+    full = str(text)
+    return repr(full) if len(full) <= _SHOWN else f"{full[:_SHOWN]!r}..."

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from bedrad.errors import BadFileError
 from bedrad.packings.files.contents import Contents
-from bedrad.packings.files.vtk_points import Piece, as_declared, is_wanted, number_array, open_bytes, spheres, take
+from bedrad.packings.files.text import open_bytes, shown
+from bedrad.packings.files.vtk_points import Piece, as_declared, is_wanted, number_array, spheres, take
 
 __all__ = ["looks_like_vtk_legacy", "read_vtk_legacy"]
 
@@ -212,7 +213,7 @@ class _Reader:
             keep = self._of_points and is_wanted(name)
             if keep and (components, count) != (1, self._count):
                 raise self._error(
-                    f"array {name!r} has {count} rows of {components}; expected one number for each of "
+                    f"array {shown(name)} has {count} rows of {components}; expected one number for each of "
                     f"{self._count} points"
                 )
             values = self._numbers(components * count, kind, name, keep=keep)
@@ -223,7 +224,7 @@ class _Reader:
         name, kind = unquote(self._word(words, 1)), self._word(words, type_at)
         keep = self._of_points and is_wanted(name)
         if keep and components != 1:
-            raise self._error(f"array {name!r} has {components} numbers a point; expected 1")
+            raise self._error(f"array {shown(name)} has {components} numbers a point; expected 1")
         values = self._numbers(components * self._count, kind, name, keep=keep)
         if keep:
             self.arrays.setdefault(name.lower(), values)

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from array import array
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, BinaryIO, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bedrad.errors import BadFileError
 from bedrad.packings.files.contents import Contents
-from bedrad.packings.files.text import open_text
+from bedrad.packings.files.ids import id_order
 from bedrad.packings.packing import Provenance
 
-__all__ = ["Piece", "Readable", "as_declared", "is_wanted", "number_array", "open_bytes", "spheres", "take"]
+__all__ = ["Piece", "Readable", "as_declared", "is_wanted", "number_array", "spheres", "take"]
 
 _BLOCK = 1 << 20
 """What is read at once, so that a false count does not claim memory that the file cannot fill. [bytes]"""
@@ -74,13 +72,6 @@ class Piece:
 def is_wanted(name: str) -> bool:
     """Whether a point array of this name says something about spheres."""
     return name.lower() in _WANTED
-
-
-@contextmanager
-def open_bytes(path: Path) -> Iterator[BinaryIO]:
-    """Open a file, gzip or plain, for reading bytes; errors as for `open_text`."""
-    with open_text(path) as text:
-        yield text.buffer
 
 
 def take(stream: Readable, count: int) -> bytearray:
@@ -183,13 +174,12 @@ def spheres(path: Path, pieces: Sequence[Piece], provenance: Provenance) -> Cont
     if len(bad):
         raise BadFileError(f"{path}: point {bad[0]} is {tuple(centers[bad[0]].tolist())}; expected finite numbers")
     if ids is not None:
-        own = own[np.argsort(ids[own], kind="stable")]
-        _check_ids(path, ids, own)
+        own = own[id_order(path, ids[own], "points", own)]
     return Contents(
         centers=centers[own],
         radii=radii if radii is None else radii[own],
         provenance=notes,
-        ids=None if ids is None else array("q", ids[own].tobytes()),
+        ids=None if ids is None else ids[own],
     )
 
 
@@ -240,13 +230,6 @@ def _ids(pieces: Sequence[Piece]) -> NDArray[np.int64] | None:
                 return None
             return numbers.astype(np.int64)
     return None
-
-
-def _check_ids(path: Path, ids: NDArray[np.int64], order: NDArray[np.intp]) -> None:
-    same = np.flatnonzero(np.diff(ids[order]) == 0)
-    if len(same):
-        first, second = sorted(order[same[0] : same[0] + 2].tolist())
-        raise BadFileError(f"{path}: points {first} and {second} both have the id {ids[first]}")
 
 
 def _joined(pieces: Sequence[Piece], name: str) -> NDArray[Any]:

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from bedrad.errors import BadFileError
 from bedrad.packings.files.facts import FACTS
-from bedrad.packings.files.vtk_points import Piece, as_declared, is_wanted, open_bytes
+from bedrad.packings.files.text import open_bytes
+from bedrad.packings.files.vtk_points import Piece, as_declared, is_wanted
 from bedrad.packings.files.vtk_xml_data import TYPES, Layout, TextNumbers, from_appended, from_base64, make_layout
 
 __all__ = ["COLLECTION", "FIELD_PREFIX", "PARALLEL", "Document", "parse"]

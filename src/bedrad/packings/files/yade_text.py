@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-
-import numpy as np
 
 from bedrad.errors import BadFileError
 from bedrad.packings.files.contents import Contents
 from bedrad.packings.files.facts import Facts, fact_comments
-from bedrad.packings.files.rows import Rows, filled_lines, rounding_notes, sorted_by_id
-from bedrad.packings.files.text import open_text
+from bedrad.packings.files.lines import Lines, open_lines
+from bedrad.packings.files.rows import RegularRows, read_rows
+from bedrad.packings.files.table_spheres import table_spheres
+from bedrad.packings.files.text import shown
 from bedrad.packings.packing import Packing
 
 __all__ = ["looks_like_yade", "read_yade", "write_yade"]
 
+Split = Callable[[str, int], list[str] | None]
+
 _MARK = "#format"
 _DEFAULT = "x_y_z_r"
+_REQUIRED = ("x", "y", "z", "r")
+_COLUMNS = {"x": "x", "y": "y", "z": "z", "r": "radius", "id": "id"}
+"""The names of the format that are read, and bedrad's."""
+
 _OPEN_END = "attrs"
 """Last word of a format whose rows end in any number of further quantities."""
 
@@ -40,39 +47,10 @@ def read_yade(path: Path) -> Contents:
         If the format has no x, y, z or r, or a row or a comment cannot be understood; the message names the line.
     """
     facts = Facts(path)
-    form = _DEFAULT
-    form_line: int | None = None
-    rows: Rows | None = None
-    with open_text(path) as stream:
-        for number, text in filled_lines(path, stream):
-            if text.startswith(_MARK):
-                if form_line is not None or rows is not None:
-                    before = f"line {form_line} names one" if form_line is not None else "rows stand before it"
-                    raise BadFileError(f"{path}, line {number}: a second format; {before}")
-                form, form_line = text.removeprefix(_MARK).strip(), number
-            elif text.startswith("#"):
-                facts.see_comment(number, text)
-            else:
-                if rows is None:
-                    rows = _rows(path, form, form_line or number, number, len(text.split()))
-                rows.add(number, text)
-    if rows is None:
-        rows = _rows(path, form, form_line or 1, 1, None)
-    found, lines = rows.finish()
-    centers, radii = np.stack([found["x"], found["y"], found["z"]], axis=1), found["r"]
-    ids = None
-    if "id" in found:
-        order, lines, ids = sorted_by_id(path, found["id"], lines)
-        centers, radii = centers[order], radii[order]
-    origin = {"file": path.name, "format": "YADE text", **rounding_notes(centers, radii)}
-    return Contents(
-        centers=centers,
-        radii=radii,
-        lines=lines,
-        ids=ids,
-        states_unit="wall" in facts,
-        **facts.understood(origin),  # type: ignore[arg-type]
-    )
+    with open_lines(path) as lines:
+        table = read_rows(lines, _rows(lines, facts))
+    origin = {"file": path.name, "format": "YADE text"}
+    return table_spheres(path, table, origin, facts, states_unit="wall" in facts)
 
 
 def write_yade(packing: Packing, path: Path) -> None:
@@ -84,23 +62,52 @@ def write_yade(packing: Packing, path: Path) -> None:
             stream.write(f"{x!r}\t{y!r}\t{z!r}\t{r!r}\n")
 
 
-def _rows(path: Path, form: str, form_line: int, first_line: int, first_width: int | None) -> Rows:
-    """Make the table that the name of the format describes; `first_width` counts the fields of the first row."""
+def _rows(lines: Lines, facts: Facts) -> RegularRows:
+    """Read up to the first row, and make the table that the name of the format describes."""
+    form, form_line = _DEFAULT, 0
+    first: list[str] = []
+
+    def split(text: str, line: int) -> list[str] | None:
+        nonlocal form, form_line
+        text = text.strip()
+        if text.startswith(_MARK):
+            if form_line or first:
+                before = f"line {form_line} names one" if form_line else "rows stand before it"
+                raise BadFileError(f"{lines.path}, line {line}: a second format; {before}")
+            form, form_line = text.removeprefix(_MARK).strip(), line
+            return None
+        if text.startswith("#"):
+            facts.see_comment(line, text)
+            return None
+        return text.split() or None
+
+    while (text := lines.peek_filled()) is not None:
+        if cells := split(text, lines.number + 1):
+            first = cells
+            break
+        lines.next()
+    return _named_rows(lines, form, form_line or lines.number + 1, first, split)
+
+
+def _named_rows(lines: Lines, form: str, form_line: int, first: list[str], split: Split) -> RegularRows:
+    """Make the table that a format describes; `first` is the first row, empty if there is none."""
     names = form.split("_")
     open_end = names[-1] == _OPEN_END
     if open_end:
         names.pop()
-    places: dict[str, int] = {name: names.index(name) for name in ("x", "y", "z", "r", "id") if name in names}
-    lacking = [name for name in ("x", "y", "z", "r") if name not in places]
+    places = {_COLUMNS[name]: names.index(name) for name in _COLUMNS if name in names}
+    lacking = [name for name in _REQUIRED if name not in names]
     if lacking:
         raise BadFileError(
-            f"{path}, line {form_line}: the format {form!r} has no {', '.join(lacking)}; "
+            f"{lines.path}, line {form_line}: the format {shown(form)} has no {', '.join(lacking)}; "
             f"expected names joined by underscores, such as {_DEFAULT}"
         )
-    if not open_end or first_width is None:
-        return Rows(path, places, len(names), f"the format {form!r} has {len(names)}")
-    if first_width < len(names):
-        raise BadFileError(
-            f"{path}, line {first_line}: {first_width} fields; the format {form!r} has at least {len(names)}"
-        )
-    return Rows(path, places, first_width, f"the first row, line {first_line}, has {first_width}")
+    width, said = len(names), f"the format {shown(form)} has {len(names)}"
+    if open_end and first:
+        if len(first) < width:
+            raise BadFileError(
+                f"{lines.path}, line {lines.number + 1}: {len(first)} fields; the format {shown(form)} has at least "
+                f"{width}"
+            )
+        width, said = len(first), f"the first row, line {lines.number + 1}, has {len(first)}"
+    return RegularRows(lines.path, places, width, said, split)
