@@ -36,9 +36,9 @@ calibration: $(READY)  ## are the stated errors of the view factors right? 200 s
 study-structure: $(READY)  ## settled beds in tubes of 2.5 to 25 diameters: porosity beside the wall, mean porosity; some 15 minutes
 	$(BIN)/python benchmarks/structure_of_settled_beds.py --csv docs/structure_of_settled_beds.csv --figure docs/images/near_wall_structure.png
 
-study-flow: $(READY)  ## wall layers and view factors of flows; some 10 hours of two cores, goes on where it was
+study-flow: $(READY)  ## wall layers and view factors of flows; some 7 hours on two cores; goes on where it was cut off
 	$(BIN)/python benchmarks/flow_study.py --csv docs/flow_study.csv
-	$(BIN)/python benchmarks/flow_fits.py --csv docs/flow_study.csv
+	$(BIN)/python benchmarks/flow_fits.py --csv docs/flow_study.csv --module src/bedrad/heat/flow_coefficients.py
 	$(BIN)/python benchmarks/flow_study_figures.py --csv docs/flow_study.csv --folder docs/images
 
 clean:  ## remove the environment and the results

@@ -42,6 +42,26 @@ def test_wrong_words_are_one_line(words: list[str], message: str, capsys: pytest
     assert "Traceback" not in told
 
 
+def test_frames_of_a_longer_flow_are_not_mixed_with_new_ones(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "bed_0002.h5").touch()
+    assert main([*WORDS, "--velocity", "0.1m/s", *SHORT, "-o", str(tmp_path / "bed.h5")]) == 2
+    assert "bed_0002.h5 is left from another flow" in " ".join(capsys.readouterr().err.split())
+    assert [path.name for path in tmp_path.iterdir()] == ["bed_0002.h5"]
+
+
+def test_a_folder_with_files_of_no_flow_is_not_taken_for_its_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    kept = tmp_path / "bed.run" / "thesis.tex"
+    kept.parent.mkdir()
+    kept.touch()
+    assert main([*WORDS, "--velocity", "0.1m/s", *SHORT, "-o", str(tmp_path / "bed.h5")]) == 2
+    assert "holds files of no flow" in " ".join(capsys.readouterr().err.split())
+    assert kept.exists()
+
+
 @pytest.mark.dem
 @pytest.mark.filterwarnings("always:the flow is")
 def test_packings_and_tables_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

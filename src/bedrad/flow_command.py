@@ -147,13 +147,16 @@ def flow(
         say(str(plan))
         return
     check_bed_output(output)
-    folder = work_dir or output.with_name(f"{output.stem}.run")
+    digits = max(4, len(str(frames - 1)))
+    files = [output.with_name(f"{output.stem}_{k:0{digits}d}{output.suffix}") for k in range(frames)]
+    pattern = output.with_name(f"{output.stem}_{'?' * digits}{output.suffix}")
+    _check_no_other_frames(pattern, files)
+    folder = work_dir or _own_folder(output)
     with progress_bars() as report:
         found = bedrad.flow(
             wall, diameter, velocity, frames, seed, **parameters, ranks=ranks, work_dir=folder,
             progress=lambda share, text: report("flow", share, text),
         )  # fmt: skip
-        files = [output.with_name(f"{output.stem}_{k:04d}{output.suffix}") for k in range(len(found))]
         for packing, file in zip(found, files, strict=True):
             bedrad.write(packing, file)
     say(str(found))
@@ -161,5 +164,26 @@ def flow(
     if work_dir is None:
         shutil.rmtree(folder)
     list_files([*tables, files[0], files[-1]])
-    pattern = output.with_name(f"{output.stem}_*{output.suffix}")
     say(f"{len(files)} packings; measure them with: bedrad statistics '{pattern}'")
+
+
+def _check_no_other_frames(pattern: Path, files: list[Path]) -> None:
+    """Refuse frames of a longer flow that would lie among those to be written, and be measured with them."""
+    expected = {file.name for file in files}
+    for file in sorted(pattern.parent.glob(pattern.name)):
+        number = file.stem.rpartition("_")[2]
+        if number.isdigit() and file.name not in expected:
+            raise ValueError(
+                f"{file} is left from another flow and would lie among the {len(files)} frames of this one; "
+                "remove it, or give another --output"
+            )
+
+
+def _own_folder(output: Path) -> Path:
+    """The folder beside the output that goes when all is done; ValueError if it holds what no flow left there."""
+    from bedrad.packings.flow_run import MARK
+
+    folder = output.with_name(f"{output.stem}.run")
+    if folder.is_dir() and any(folder.iterdir()) and not (folder / MARK).exists():
+        raise ValueError(f"{folder} would be removed at the end, but holds files of no flow; name a --work-dir")
+    return folder

@@ -7,6 +7,7 @@ import math
 import os
 import pickle
 import re
+import shutil
 import stat
 import warnings
 from pathlib import Path
@@ -176,6 +177,40 @@ class TestInterrupted:
         step = resumed[0].provenance.get("resumed_at_step")
         assert step is None or int(step) < int(newest.suffix[1:])
         assert len(resumed) == 6
+
+    def test_a_lammps_that_cannot_start_costs_no_restart_file(self, tmp_path: Path) -> None:
+        work = tmp_path / "work"
+        with pytest.raises(EngineFailedError):
+            run(work_dir=work, executable=lammps_that_ends(tmp_path, "dump "))
+        restarts = sorted(work.glob("flow.restart.*"))
+        assert len(restarts) > 1
+        with pytest.raises(EngineFailedError, match="cannot be started"):
+            run(work_dir=work, executable=tmp_path / "nothing")
+        assert sorted(work.glob("flow.restart.*")) == restarts
+
+    @pytest.mark.parametrize("broken", ["rest", "frame"])
+    def test_a_run_that_ended_with_a_broken_file_is_no_finished_one(
+        self, found: Flow, folder: Path, tmp_path: Path, broken: str
+    ) -> None:
+        work = tmp_path / "work"
+        shutil.copytree(folder, work)
+        name = REST if broken == "rest" else frame_name(found.plan.frame_numbers[2])
+        whole = (work / name).read_bytes()
+        (work / name).write_bytes(whole[: len(whole) // 2])
+        run(work_dir=work)
+        assert (work / name).read_bytes() == whole
+
+    def test_it_goes_on_only_from_where_nothing_is_missing(self, found: Flow, tmp_path: Path) -> None:
+        work = tmp_path / "work"
+        with pytest.raises(EngineFailedError):
+            run(work_dir=work, executable=lammps_that_ends(tmp_path, "dump "))
+        steps = [int(path.suffix[1:]) for path in work.glob("flow.restart.*")]
+        assert max(steps) > found.plan.fill_steps
+        (work / REST).unlink()
+        again = run(work_dir=work)
+        assert again[0].provenance.get("resumed_at_step", 0) < found.plan.fill_steps
+        assert again.measures.rest_solid_fraction == pytest.approx(found.measures.rest_solid_fraction, rel=1e-3)
+        assert not list(work.glob("flow.restart.*"))
 
     def test_a_finished_run_is_only_read(self, found: Flow, folder: Path, tmp_path: Path) -> None:
         again = run(work_dir=folder, executable=tmp_path / "nothing")

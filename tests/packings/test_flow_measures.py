@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 import bedrad
 from bedrad import EngineFailedError
 from bedrad.packings.flow import plan_flow
-from bedrad.packings.flow_frames import FlowFrame, Motion, motion_between, read_frame
+from bedrad.packings.flow_frames import FlowFrame, Motion, motion_between, read_frame, read_rest
 from bedrad.packings.flow_measures import FlowMeasures, measure_flow
 from bedrad.packings.flow_plan import FlowPlan
-from bedrad.packings.flow_script import COLUMNS
+from bedrad.packings.flow_script import COLUMNS, REST_COLUMNS
 from bedrad.packings.velocity_profile import VelocityProfile, velocity_profile
 
 FloatArray = NDArray[np.float64]
@@ -209,6 +209,8 @@ class TestFrames:
         [
             lambda self: self.text(self.ROWS, count=3),
             lambda self: self.text(self.ROWS[:40]),
+            # what is left of the last number, 12, is a number
+            lambda self: self.text(self.ROWS[:-2]),
             lambda self: self.text(self.ROWS, columns="id x y z"),
             lambda self: self.text(self.ROWS.replace("7", "seven")),
             lambda self: "ITEM: TIMESTEP\n",
@@ -220,6 +222,17 @@ class TestFrames:
         path.write_text(broken(self))
         with pytest.raises(EngineFailedError, match=r"no whole frame in frame\.70\.dump"):
             read_frame(path)
+
+    def test_spheres_at_rest_are_read_and_missing_ones_told(self, tmp_path: Path) -> None:
+        path = tmp_path / "rest.dump"
+        rows = "1 .1 .2 .3 .01\n2 .4 .5 .6 .02\n"
+        path.write_text(self.text(rows, columns=REST_COLUMNS))
+        centers, radii = read_rest(path)
+        assert centers.tolist() == [[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]
+        assert radii.tolist() == [0.01, 0.02]
+        path.write_text(self.text(rows, count=3, columns=REST_COLUMNS))
+        with pytest.raises(EngineFailedError, match=r"rest\.dump: 2 rows; 3 whole ones were announced"):
+            read_rest(path)
 
     def test_a_missing_frame_is_named(self, tmp_path: Path) -> None:
         with pytest.raises(EngineFailedError, match=r"no whole frame in frame\.9\.dump"):

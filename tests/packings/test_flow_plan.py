@@ -12,9 +12,11 @@ import pytest
 from scipy.spatial import cKDTree
 
 import bedrad
+from bedrad.packings.contact import STEPS_PER_CONTACT
 from bedrad.packings.flow import plan_flow
 from bedrad.packings.flow_plan import JITTER, LATTICE_SPACING, Channel, FlowPlan
-from bedrad.packings.flow_script import fill_data, flow_script, restart_every
+from bedrad.packings.flow_planning import LONGEST_WAY
+from bedrad.packings.flow_script import NEAR, REFRESH, fill_data, flow_script, restart_every
 
 TUBE = bedrad.Tube(2.4e-3)
 D = 6e-4
@@ -37,7 +39,6 @@ class TestPlan:
         worst = JITTER * largest
         nearest = cKDTree(sites).query(sites, k=2)[0][:, 1].min()
         assert nearest == pytest.approx(LATTICE_SPACING * largest, rel=1e-12)
-        assert nearest - 2.0 * worst > largest * (1.0 - 1e-12) or nearest - 2.0 * math.sqrt(3.0) * worst < largest
         room = np.array([plan.radius_at(z) for z in sites[:, 2]]) - np.hypot(sites[:, 0], sites[:, 1])
         assert room.min() >= 0.5 * largest + worst
         assert sites[:, 2].min() - worst > 0.5 * largest
@@ -103,7 +104,7 @@ class TestPlan:
                 {"velocity": None, "wall": bedrad.Tube(6e-3), "channel": Channel(orifice=2e-3, window=(10.0, 27.0))},
                 "window ends 27 diameters above a funnel that is 4.81 high",
             ),
-            ({"frames": 1}, "frames is 1; expected an integer, at least 2"),
+            ({"frames": 1}, "frames is 1; expected an integer from 2 to"),
             ({"frames": 2.5}, "frames is 2.5"),
             ({"spacing": 0.0}, "spacing is 0.0"),
             ({"flush": -1.0}, "flush is -1.0"),
@@ -134,6 +135,44 @@ class TestPlan:
     def test_a_channel_that_cannot_be_is_refused(self, changes: dict[str, Any], message: str) -> None:
         with pytest.raises(ValueError, match=re.escape(message)):
             Channel(**changes)
+
+
+class TestLimits:
+    """What no run can be made of is refused, at once and in little memory."""
+
+    @pytest.mark.parametrize(
+        ("changes", "message"),
+        [
+            ({"velocity": 1e300}, "at 1e+300 m/s a sphere goes"),
+            ({"velocity": 3.0}, "at 3 m/s a sphere goes"),
+            ({"velocity": 1e-300}, "the run takes"),
+            ({"velocity": 1e-7}, "the run takes"),
+            ({"flush": 1e300}, "the run takes"),
+            ({"spacing": 1e-300}, "the run takes"),
+            ({"frames": 10**12}, "frames is 1000000000000; expected an integer from 2 to 1000000"),
+            ({"stiffness": 1e-12}, "stiffer contacts are shorter"),
+            ({"youngs_modulus": 1e300}, "of such magnitude"),
+            ({"diameter": 1e-9}, "spheres; expected at most 10000000"),
+            ({"channel": Channel(tube_length=1e12)}, "spheres; expected at most 10000000"),
+            ({"wall": bedrad.Tube(1e200), "diameter": 1e199}, "of such magnitude"),
+            # without a hopper nothing is wide enough for the lattice, however high it grows
+            ({"wall": bedrad.Tube(3.3e-4), "channel": Channel(hopper_width=1.0)}, "too narrow to fill"),
+        ],
+    )
+    def test_size_length_and_speed(self, changes: dict[str, Any], message: str) -> None:
+        with pytest.raises(ValueError, match=re.escape(message)):
+            planned(**changes)
+
+    def test_what_is_near_a_wall_is_looked_for_before_it_gets_there(self) -> None:
+        assert LONGEST_WAY / STEPS_PER_CONTACT * REFRESH < NEAR
+
+    def test_frames_that_spheres_pass_unseen_are_refused(self) -> None:
+        # the window ends 27 - 22 = 5 diameters below the top, and begins 13 above the foot
+        assert planned(spacing=5.0).protocol.spacing == 5.0
+        with pytest.raises(ValueError, match=re.escape("spacing is 5.1 diameters, and the window ends 5 from an end")):
+            planned(spacing=5.1)
+        with pytest.raises(ValueError, match=re.escape("the window ends 3 from an end")):
+            planned(spacing=3.1, channel=Channel(window=(0.0, 12.0)))
 
 
 class TestScript:

@@ -9,13 +9,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from bedrad.errors import EngineFailedError
-from bedrad.packings.flow_frames import FlowFrame, read_frame
+from bedrad.packings.flow_frames import FlowFrame, read_frame, read_rest
 from bedrad.packings.flow_measures import FlowMeasures, measure_flow
-from bedrad.packings.flow_plan import Channel, FlowPlan, Protocol, plan_flowing
+from bedrad.packings.flow_plan import Channel, FlowPlan, Protocol
+from bedrad.packings.flow_planning import plan_flowing
 from bedrad.packings.flow_run import Progress, run_flow
 from bedrad.packings.flow_script import REST, frame_name
 from bedrad.packings.grains import Grains, check_seed, mixture_of, tube_for
@@ -26,7 +24,6 @@ from bedrad.walls import Tube, Wall, Window
 
 __all__ = ["Flow", "flow", "plan_flow"]
 
-FloatArray = NDArray[np.float64]
 Facts = dict[str, str | float | int]
 
 
@@ -196,7 +193,7 @@ def flow(
     with working_folder(work_dir, "bedrad-flow-") as folder:
         run, resumed_at = run_flow(plan, seed, folder, ranks=ranks, executable=executable, progress=progress)
         kept = [read_frame(folder / frame_name(step)) for step in plan.frame_numbers]
-        measures = measure_flow(plan, kept, _rest(folder / REST))
+        measures = measure_flow(plan, kept, read_rest(folder / REST))
         version = run.version if run is not None else _version(folder / LOG)
     facts = _facts(plan, measures, seed, version)
     if resumed_at is not None:
@@ -239,15 +236,6 @@ def plan_flow(
     mixture = mixture_of(diameter, sizes)
     tube = tube_for(wall, mixture, "let flow")
     return plan_flowing(tube, mixture, velocity, grains, channel or Channel(), Protocol(frames, flush, spacing))
-
-
-def _rest(path: Path) -> tuple[FloatArray, FloatArray]:
-    """Centres and radii of the filled channel at rest."""
-    try:
-        rows = np.loadtxt(path, skiprows=9, ndmin=2)
-    except (OSError, ValueError) as error:
-        raise EngineFailedError(f"LAMMPS left no whole {path.name}: {error}") from error
-    return rows[:, 1:4], rows[:, 4]
 
 
 def _version(log: Path) -> str:

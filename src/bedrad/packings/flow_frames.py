@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bedrad.errors import EngineFailedError
-from bedrad.packings.flow_script import COLUMNS
+from bedrad.packings.flow_script import COLUMNS, REST_COLUMNS
 
-__all__ = ["FlowFrame", "Motion", "motion_between", "read_frame"]
+__all__ = ["FlowFrame", "Motion", "motion_between", "read_frame", "read_rest"]
 
 FloatArray = NDArray[np.float64]
 
@@ -71,22 +71,45 @@ def read_frame(path: Path) -> FlowFrame:
     EngineFailedError
         If it is missing or cut off.
     """
-    try:
-        with path.open(encoding="ascii") as stream:
-            head = [stream.readline() for _ in range(_HEADER)]
-            rows = np.loadtxt(stream, ndmin=2) if int(head[3]) else np.empty((0, len(COLUMNS.split())))
-        if head[-1].split()[2:] != COLUMNS.split() or len(rows) != int(head[3]):
-            raise ValueError(f"{len(rows)} rows after {head[-1].strip()!r}; {head[3].strip()} were announced")
-    except (OSError, ValueError, IndexError) as error:
-        raise EngineFailedError(f"LAMMPS left no whole frame in {path.name}: {error}") from error
+    step, rows = _read_dump(path, COLUMNS)
     return FlowFrame(
-        step=int(head[1]),
+        step=step,
         numbers=rows[:, 0].astype(np.int64),
         centers=np.ascontiguousarray(rows[:, 1:4]),
         radii=np.ascontiguousarray(rows[:, 4]),
         velocities=np.ascontiguousarray(rows[:, 5:8]),
         wall_forces=np.ascontiguousarray(rows[:, 8:11]),
     )
+
+
+def read_rest(path: Path) -> tuple[FloatArray, FloatArray]:
+    """Read centres and radii [m] of the spheres at rest in the filled tube.
+
+    Raises
+    ------
+    EngineFailedError
+        If the file is missing or cut off.
+    """
+    _, rows = _read_dump(path, REST_COLUMNS)
+    return rows[:, 1:4], rows[:, 4]
+
+
+def _read_dump(path: Path, columns: str) -> tuple[int, FloatArray]:
+    """Step and rows of a dump with these columns."""
+    names = columns.split()
+    try:
+        with path.open(encoding="ascii") as stream:
+            head = [stream.readline() for _ in range(_HEADER)]
+            text = stream.read()
+        if head[-1].split()[2:] != names:
+            raise ValueError(f"columns {head[-1].strip()!r}")
+        rows = np.loadtxt(text.splitlines(), ndmin=2) if text else np.empty((0, len(names)))
+        # the last line is whole only with its end: a number that was cut off is still a number
+        if rows.shape != (int(head[3]), len(names)) or (text and not text.endswith("\n")):
+            raise ValueError(f"{len(rows)} rows; {head[3].strip()} whole ones were announced")
+        return int(head[1]), rows
+    except (OSError, ValueError, IndexError) as error:
+        raise EngineFailedError(f"LAMMPS left no whole frame in {path.name}: {error}") from error
 
 
 def motion_between(first: FlowFrame, second: FlowFrame, time_step: float) -> Motion:

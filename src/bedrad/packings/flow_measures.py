@@ -33,7 +33,8 @@ UNSTEADY = 0.02
 """Drift between the halves of the sample, in shares of the mean, from which on it counts as one."""
 
 SIGNIFICANT = 3.0
-"""Standard errors that the drift must exceed too; by chance one steady flow in 370 does."""
+"""Standard errors that the drift must exceed too. These are themselves estimated: made-up steady series, alike from
+frame to frame by 0 to 0.5, exceed it by chance in 0.6 to 5 % of cases with 30 frames, in 2 to 11 % with 8."""
 
 FEWEST_STRUCTURES = 3.0
 """Independent structures, lengths of bed that passed the window over the window's own, below which it is said."""
@@ -64,7 +65,7 @@ class FlowMeasures:
     janssen_pressure : float
         Janssen's asymptote for this solid fraction, the friction fully mobilised. [Pa]
     discharge : float
-        Mass flow. [kg/s]
+        Mass flow, as if all sizes of a mixture moved at one mean speed. [kg/s]
     beverloo_discharge : float
         Mass flow by Beverloo's law; nan without an orifice. [kg/s]
     independent_structures : float

@@ -18,12 +18,10 @@ from bedrad.packings.contact import (
     softening_rule,
     sphere_mass,
 )
-from bedrad.packings.flow_formulas import beverloo_discharge
-from bedrad.packings.grains import Grains, Mixture, check_number
+from bedrad.packings.grains import Grains, check_number
 from bedrad.packings.pouring import count_spheres
-from bedrad.walls import Tube
 
-__all__ = ["JITTER", "Channel", "FlowPlan", "Protocol", "plan_flowing"]
+__all__ = ["BELT_RATE", "JITTER", "SITE_MARGIN", "SOLID_FRACTION", "Channel", "FlowPlan", "Protocol"]
 
 FloatArray = NDArray[np.float64]
 
@@ -49,6 +47,9 @@ FLUSH = 20.0
 START_UP = 6.0
 """Displacement after which the start of the belt is forgotten, in U^2/g: at 0.2 m/s the solid fraction beside a wall
 at A = 12.9 rose from 0.28 to 0.41 in 25 mm and stayed there; at 0.11 m/s it took some 8 mm."""
+
+MOST_FRAMES = 1_000_000
+"""Frames that a run may have: each is a file."""
 
 BELT_RATE = 0.4
 """Drag of the belt: the share of its velocity error that a sphere loses in a step."""
@@ -134,8 +135,9 @@ class Protocol:
     spacing: float = 0.5
 
     def __post_init__(self) -> None:
-        if isinstance(self.frames, bool) or not isinstance(self.frames, int) or self.frames < 2:
-            raise ValueError(f"frames is {self.frames!r}; expected an integer, at least 2")
+        whole = isinstance(self.frames, int) and not isinstance(self.frames, bool)
+        if not (whole and 2 <= self.frames <= MOST_FRAMES):
+            raise ValueError(f"frames is {self.frames!r}; expected an integer from 2 to {MOST_FRAMES}")
         check_number(
             "flush", self.flush, self.flush is None or self.flush >= 0, "a number of diameters that is not negative"
         )
@@ -376,43 +378,3 @@ class FlowPlan:
         """Steps at which a frame is kept."""
         first = self.fill_steps + self.flush_steps
         return [first + k * self.frame_steps for k in range(self.protocol.frames)]
-
-
-def plan_flowing(
-    tube: Tube, mixture: Mixture, velocity: float | None, grains: Grains, channel: Channel, protocol: Protocol
-) -> FlowPlan:
-    """Put the numbers of a flow run together.
-
-    Raises
-    ------
-    ValueError
-        If not just one of a velocity and an orifice is given, the velocity is not positive, the orifice is as wide as
-        the tube or too narrow for the spheres to pass, or the window ends above the tube.
-    """
-    if (velocity is None) == (channel.orifice is None):
-        both = "both were given" if velocity is not None else "neither was given"
-        raise ValueError(f"velocity and orifice: {both}; expected one of them")
-    if velocity is not None:
-        check_number("velocity", velocity, velocity > 0, "a positive number of m/s")
-    else:
-        velocity = _orifice_velocity(tube, mixture, grains, channel)
-    plan = FlowPlan(tube.radius, float(velocity), tuple(mixture), grains, channel, protocol)
-    if plan.window[1] > plan.tube_top:
-        raise ValueError(
-            f"window ends {channel.window[1]:g} diameters above a funnel that is {plan.foot_top / plan.mean:.3g} high; "
-            f"expected an end within the tube of {channel.tube_length:g} diameters"
-        )
-    return plan
-
-
-def _orifice_velocity(tube: Tube, mixture: Mixture, grains: Grains, channel: Channel) -> float:
-    """Mean velocity in the tube that Beverloo's law expects. [m/s]."""
-    hole, mean = float(channel.orifice or 0.0), sum(d * share for d, share in mixture)
-    largest = max(d for d, _ in mixture)
-    if not 2.0 * largest < hole < 2.0 * tube.radius:
-        raise ValueError(
-            f"orifice is {hole!r} m; expected more than two of the largest diameters ({2.0 * largest:.6g} m) and less "
-            f"than the tube's {2.0 * tube.radius:.6g} m"
-        )
-    bulk = SOLID_FRACTION * grains.density
-    return beverloo_discharge(hole, mean, bulk, grains.gravity) / (bulk * math.pi * tube.radius**2)

@@ -7,16 +7,18 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+from bedrad.atomic import atomic_path
 from bedrad.errors import EngineFailedError
+from bedrad.packings.flow_frames import read_frame, read_rest
 from bedrad.packings.flow_plan import FlowPlan
 from bedrad.packings.flow_script import DATA, REST, RESTART, fill_data, flow_script, frame_name
 from bedrad.packings.lammps import LammpsRun, run_lammps
 
-__all__ = ["Progress", "run_flow"]
+__all__ = ["MARK", "Progress", "run_flow"]
 
 Progress = Callable[[float, str], None]
 
-_PLAN = "flow.sha256"
+MARK = "flow.sha256"
 """File that names the run that a folder holds: the checksum of its input."""
 
 _KEPT_RESTARTS = 2
@@ -34,7 +36,8 @@ def run_flow(
 ) -> tuple[LammpsRun | None, int | None]:
     """Run LAMMPS until all frames of a flow lie in a folder.
 
-    A folder that holds the same run, cut off half-way, is gone on with from its last whole restart file.
+    A folder that holds the same run, cut off half-way, is gone on with from its last whole restart file before which
+    nothing is missing.
 
     Parameters
     ----------
@@ -67,32 +70,49 @@ def run_flow(
     """
     data = fill_data(plan, seed)
     _claim(folder, hashlib.sha256((flow_script(plan) + data).encode()).hexdigest())
-    names = [REST, *map(frame_name, plan.frame_numbers)]
-    if all((folder / name).exists() for name in names) and not _restarts(folder):
+    restarts = _restarts(folder)
+    if not restarts and _whole(plan, folder, plan.steps + 1):
         return None, None
-    watch = _Watch(plan, folder, progress)
-    for step in reversed(_restarts(folder)):
+    for step in reversed(restarts):
+        if not _whole(plan, folder, step):
+            continue
+        watch = _Watch(plan, folder, progress, [other for other in restarts if other > step])
         try:
             run = run_lammps(flow_script(plan, step), folder, ranks=ranks, executable=executable, watch=watch)
         except EngineFailedError:
             if watch.rows:
                 raise
-            # it ended before its first step: the restart file was cut off while it was written
-            (folder / f"{RESTART}.{step}").unlink()
+            # it ended before its first step: the restart file was cut off while it was written, or LAMMPS cannot run
+            # at all; in case of the latter all restart files stay
         else:
-            _prune(folder, 0)
+            _remove(folder, _restarts(folder))
             return run, step
     (folder / DATA).write_text(data, encoding="utf-8")
+    watch = _Watch(plan, folder, progress, restarts)
     run = run_lammps(flow_script(plan), folder, ranks=ranks, executable=executable, watch=watch)
-    _prune(folder, 0)
+    _remove(folder, _restarts(folder))
     return run, None
+
+
+def _whole(plan: FlowPlan, folder: Path, step: int) -> bool:
+    """Whether all that a run has written for good before a step is there, to the last line."""
+    try:
+        if step >= plan.fill_steps:
+            read_rest(folder / REST)
+        for number in plan.frame_numbers:
+            if number < step:
+                read_frame(folder / frame_name(number))
+    except EngineFailedError:
+        return False
+    return True
 
 
 def _claim(folder: Path, checksum: str) -> None:
     """Mark the folder as this run's, or refuse one that is another's."""
-    mark = folder / _PLAN
+    mark = folder / MARK
     if not mark.exists():
-        mark.write_text(checksum + "\n", encoding="ascii")
+        with atomic_path(mark) as temporary:
+            temporary.write_text(checksum + "\n", encoding="ascii")
     elif mark.read_text(encoding="ascii", errors="replace").strip() != checksum:
         raise ValueError(f"{folder} holds a flow with other parameters; give another folder, or empty this one")
 
@@ -103,22 +123,27 @@ def _restarts(folder: Path) -> list[int]:
     return sorted(int(end) for end in ends if end.isdigit())
 
 
-def _prune(folder: Path, keep: int) -> None:
-    steps = _restarts(folder)
-    for step in steps[: len(steps) - keep]:
+def _remove(folder: Path, steps: list[int]) -> None:
+    for step in steps:
         (folder / f"{RESTART}.{step}").unlink(missing_ok=True)
 
 
 class _Watch:
-    """Turns rows of the log into a share done, and removes restart files that later ones replace."""
+    """Turns rows of the log into a share done, and removes restart files that later ones replace.
 
-    def __init__(self, plan: FlowPlan, folder: Path, progress: Progress | None) -> None:
-        self._plan, self._folder, self._progress = plan, folder, progress
+    When the run has made its first step, the restart files that it passed over go too: what they hold is broken, or
+    lies ahead in what is now another run.
+    """
+
+    def __init__(self, plan: FlowPlan, folder: Path, progress: Progress | None, passed_over: list[int]) -> None:
+        self._plan, self._folder, self._progress, self._passed_over = plan, folder, progress, passed_over
         self.rows = 0
 
     def __call__(self, row: dict[str, float]) -> None:
         self.rows += 1
-        _prune(self._folder, _KEPT_RESTARTS)
+        if self.rows == 1:
+            _remove(self._folder, self._passed_over)
+        _remove(self._folder, _restarts(self._folder)[:-_KEPT_RESTARTS])
         if self._progress is None:
             return
         step, plan = row["Step"], self._plan

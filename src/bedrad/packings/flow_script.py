@@ -9,7 +9,19 @@ from bedrad.packings.contact_commands import SKIN, hertz_contacts, linear_contac
 from bedrad.packings.flow_plan import BELT_RATE, JITTER, FlowPlan
 from bedrad.packings.pouring import Column
 
-__all__ = ["COLUMNS", "DATA", "REST", "RESTART", "fill_data", "flow_script", "frame_name", "restart_every"]
+__all__ = [
+    "COLUMNS",
+    "DATA",
+    "NEAR",
+    "REFRESH",
+    "REST",
+    "RESTART",
+    "REST_COLUMNS",
+    "fill_data",
+    "flow_script",
+    "frame_name",
+    "restart_every",
+]
 
 DATA = "lattice.data"
 REST = "rest.dump"
@@ -18,18 +30,21 @@ RESTART = "flow.restart"
 COLUMNS = "id x y z radius vx vy vz f_tube[2] f_tube[3] f_tube[4]"
 """Columns of a frame; the last three are the force of the tube's wall on the sphere. [m, m/s, N]"""
 
+REST_COLUMNS = "id x y z radius"
+"""Columns of the spheres at rest. [m]"""
+
 _RESTARTS = 20
 """Restart files that a run writes at least, so that one cut off loses a twentieth at most."""
 
-_REFRESH = 50
+REFRESH = 50
 """Steps between two looks at which spheres are near a wall or the belt, the only ones that it is computed for.
 
 Computing every wall for every sphere takes up to half of a run. Dynamic groups would do the same, but fix wall/gran
 refuses them.
 """
 
-_NEAR = 0.7
-"""What counts as near beyond touching, in largest diameters; none goes that far in `_REFRESH` steps."""
+NEAR = 0.7
+"""What counts as near beyond touching, in largest diameters; none goes that far in `REFRESH` steps."""
 
 
 def frame_name(step: int | str) -> str:
@@ -135,7 +150,7 @@ def _groups(plan: FlowPlan) -> list[str]:
 
 def _near(plan: FlowPlan) -> str:
     """Regions near the parts of the channel, and the groups of spheres in them."""
-    reach = _NEAR * plan.largest
+    reach = NEAR * plan.largest
     inner, outer = plan.tube_radius - 0.5 * plan.largest - reach, plan.hopper_radius - 0.5 * plan.largest - reach
     top, cone, foot = plan.tube_top, plan.cone_top, plan.foot_top + 0.5 * plan.largest + reach
     hopper = plan.channel.hopper_width > 1.0
@@ -193,11 +208,11 @@ thermo_modify   norm no flush yes lost error
 restart         {restart_every(plan)} {RESTART}.*
 """
     again = " ".join(f'"group {name} clear" "group {name} region {name}"' for name in _groups(plan))
-    every = f"upto every {_REFRESH} {again}"
+    every = f"upto every {REFRESH} {again}"
     if done < plan.fill_steps:
         text += f"""
 run             {plan.fill_steps} {every}
-write_dump      all custom {REST} id x y z radius modify region inside sort id format float %.17g
+write_dump      all custom {REST} {REST_COLUMNS} modify region inside sort id format float %.17g
 """
     if plan.channel.orifice is None:
         text += f"\nvariable        speed equal {plan.velocity!r}\n"

@@ -59,7 +59,8 @@ class VelocityProfile:
     speeds, speeds_error : (bins,) arrays
         Mean speed of the spheres with their centre in each bin, nan where there were none. [m/s]
     core, wall : float
-        Speed of the plug core and of the spheres next to the wall. [m/s]
+        Speed of the plug core, and of the outermost bin that holds spheres: half a diameter wide, it ends where a
+        sphere just touches the wall, and so holds those that are pressed on it, not the whole wall layer. [m/s]
     shear_width : float
         Distance from the wall at which nine tenths of the difference between the two are made up; nan where the
         difference is less than its error. [m]
