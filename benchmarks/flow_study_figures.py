@@ -34,6 +34,8 @@ VARIED_PANELS = (
     ("F_w1", "View factor to\nthe wall layer"),
 )
 
+TICKS = (0.3, 0.5, 1.0, 2.0, 3.0)
+
 Rows = list[dict[str, str]]
 
 
@@ -64,11 +66,13 @@ def matrix_figure(rows: Rows, path: Path) -> None:
                 _correlation(axes, own, name, colour)
             axes.set_ylabel(label)
             axes.set_xscale("log")
+            axes.set_xticks(TICKS, [f"{tick:g}" for tick in TICKS])
+            axes.set_xticks([], minor=True)
         for axes in figure.axes[3:]:
             axes.set_xlabel("U/sqrt(g d)")
         figure.axes[0].legend(ncols=2)
-        figure.axes[0].set_title("bedrad's flows; lines: Watkins 2018, eq. 38, 40, a = 0.22", fontsize=9.5)
-        figure.axes[3].set_title("bars: one standard error", fontsize=9.5)
+        title = "Markers: bedrad's flows, bars of one standard error. Lines: Watkins 2018, eq. 38 and 40, a = 0.22"
+        figure.suptitle(title, fontsize=9.5, x=0.01, ha="left")
         style.save(figure, path, "Wall layer and view factors of flows")
 
 

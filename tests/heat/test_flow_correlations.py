@@ -106,8 +106,9 @@ class TestEstimate:
         ]
         assert (np.array(factors) > 0.0).all()
         total = np.sum(factors, axis=0)
-        # a concave wall sees itself; 0.98 to 0.99 of the rays end in three layers
-        assert ((total > 0.97) & (total < 0.995)).all()
+        # a concave wall sees itself, the less the wider the tube; the flows that were fitted have 0.985 to 0.993
+        assert ((total > 0.98) & (total < 1.0)).all()
+        assert (np.diff(total, axis=1) > 0.0).all()
 
     def test_outside_its_range_it_warns(self) -> None:
         with pytest.warns(RangeWarning, match="diameter_ratio"):
