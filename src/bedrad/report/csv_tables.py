@@ -13,7 +13,7 @@ import numpy as np
 from bedrad.atomic import atomic_path
 from bedrad.jobs.fields import Field
 
-__all__ = ["Table", "heading", "write_table"]
+__all__ = ["Table", "heading", "write_table", "write_tables_beside"]
 
 Table = dict[str, list[Any]]
 """Names of columns, units included, to their values."""
@@ -30,6 +30,14 @@ def write_table(path: Path, table: Table) -> None:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(table)
         writer.writerows([_cell(value) for value in row] for row in zip(*table.values(), strict=True))
+
+
+def write_tables_beside(stem: Path, tables: Mapping[str, Table]) -> list[Path]:
+    """Write tables as ``<stem>_<name>.csv`` and return the files; OSError as `write_table`."""
+    files = [stem.with_name(f"{stem.name}_{name}.csv") for name in tables]
+    for file, table in zip(files, tables.values(), strict=True):
+        write_table(file, table)
+    return files
 
 
 def _cell(value: Any) -> str:

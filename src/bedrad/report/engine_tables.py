@@ -11,7 +11,7 @@ from rich.text import Text
 
 from bedrad.raytrace.engine_comparison import EngineComparison
 from bedrad.raytrace.engine_errors import EngineRuns
-from bedrad.report.csv_tables import Table, write_table
+from bedrad.report.csv_tables import Table, write_tables_beside
 from bedrad.report.records import with_error
 from bedrad.report.terminal import add_row, new_table
 
@@ -135,12 +135,7 @@ def write_comparison_tables(found: EngineComparison, tolerance: float, stem: Pat
     OSError
         If a table cannot be written; no half-written file stays behind.
     """
-    written = []
-    for name, table in {"engines": _engines(found, tolerance), "runs": _runs(found)}.items():
-        path = stem.with_name(f"{stem.name}_{name}.csv")
-        write_table(path, table)
-        written.append(path)
-    return written
+    return write_tables_beside(stem, {"engines": _engines(found, tolerance), "runs": _runs(found)})
 
 
 def _engines(found: EngineComparison, tolerance: float) -> Table:

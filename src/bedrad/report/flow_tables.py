@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from bedrad.packings.flow import Flow
-from bedrad.report.csv_tables import Table, write_table
+from bedrad.report.csv_tables import Table, write_tables_beside
 
 __all__ = ["write_flow_tables"]
 
@@ -30,12 +30,7 @@ def write_flow_tables(found: Flow, stem: Path) -> list[Path]:
     OSError
         If a table cannot be written; no half-written file stays behind.
     """
-    written = []
-    for name, table in {"flow": _measures(found), "velocity": _velocities(found)}.items():
-        path = stem.with_name(f"{stem.name}_{name}.csv")
-        write_table(path, table)
-        written.append(path)
-    return written
+    return write_tables_beside(stem, {"flow": _measures(found), "velocity": _velocities(found)})
 
 
 def _measures(found: Flow) -> Table:

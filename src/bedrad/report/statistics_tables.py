@@ -15,7 +15,7 @@ from bedrad.jobs.results import StageData
 from bedrad.packings.files.contents import describe_wall
 from bedrad.packings.statistics import Statistics
 from bedrad.packings.unrolled_wall import UnrolledWall
-from bedrad.report.csv_tables import Table, heading, write_table
+from bedrad.report.csv_tables import Table, heading, write_tables_beside
 
 __all__ = ["as_data", "statistics_tables", "write_statistics_tables"]
 
@@ -84,12 +84,7 @@ def write_statistics_tables(
     tables = statistics_tables(as_data(found)) | {"unrolled_wall": _unrolled_wall(unrolled)}
     if compared:
         tables["correlations"] = _correlations(compared)
-    written = []
-    for name, table in tables.items():
-        path = stem.with_name(f"{stem.name}_{name}.csv")
-        write_table(path, table)
-        written.append(path)
-    return written
+    return write_tables_beside(stem, tables)
 
 
 def statistics_tables(data: StageData) -> dict[str, Table]:

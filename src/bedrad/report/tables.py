@@ -11,7 +11,7 @@ import numpy as np
 
 from bedrad.jobs.fields import CONVERGENCE, PREDICTION, SYSTEM, WALL_LAYER
 from bedrad.jobs.results import Results, StageData
-from bedrad.report.csv_tables import Table, heading, write_table
+from bedrad.report.csv_tables import Table, heading, write_tables_beside
 from bedrad.report.records import Record, cases, celsius, load, radiation_gain, stated, targets
 from bedrad.report.statistics_tables import statistics_tables
 
@@ -44,12 +44,7 @@ def write_tables(results: Results, folder: Path) -> list[Path]:
         If a table cannot be written; no half-written file stays behind.
     """
     record = load(results)
-    written = []
-    for name, table in _tables(record).items():
-        path = Path(folder) / f"{results.path.stem}_{name}.csv"
-        write_table(path, table)
-        written.append(path)
-    return written
+    return write_tables_beside(Path(folder) / results.path.stem, _tables(record))
 
 
 def _tables(record: Record) -> dict[str, Table]:
