@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from bedrad.errors import BadFileError as BadFileError
     from bedrad.errors import EngineFailedError as EngineFailedError
     from bedrad.errors import MissingExtraError as MissingExtraError
+    from bedrad.heat.prediction import predict as predict
     from bedrad.packings.files import read as read
     from bedrad.packings.files import read_frames as read_frames
     from bedrad.packings.files import write as write
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
     from bedrad.packings.settle import settle as settle
     from bedrad.packings.statistics import statistics as statistics
     from bedrad.packings.unrolled_wall import unrolled_wall as unrolled_wall
+    from bedrad.packings.wall_gaps import particles_at_wall as particles_at_wall
+    from bedrad.raytrace.enclosure import exchange_factors as exchange_factors
+    from bedrad.raytrace.enclosure import reflected_factors as reflected_factors
     from bedrad.raytrace.view_factors import view_factors as view_factors
     from bedrad.walls import Plate as Plate
     from bedrad.walls import Rod as Rod
@@ -38,10 +42,14 @@ _HOME = {
     "Plate": "walls",
     "Rod": "walls",
     "Tube": "walls",
+    "exchange_factors": "raytrace.enclosure",
     "flow": "packings.flow",
     "layer_edges": "packings.layers",
+    "particles_at_wall": "packings.wall_gaps",
+    "predict": "heat.prediction",
     "read": "packings.files",
     "read_frames": "packings.files",
+    "reflected_factors": "raytrace.enclosure",
     "settle": "packings.settle",
     "statistics": "packings.statistics",
     "unrolled_wall": "packings.unrolled_wall",

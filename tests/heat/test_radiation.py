@@ -1,3 +1,4 @@
+import mpmath
 import numpy as np
 import pytest
 
@@ -75,6 +76,17 @@ def test_largest_effect_bounds_every_set_of_factors():
     assert without / worst - 1 == pytest.approx(bound, rel=1e-12)
     assert radiation.largest_effect(A, d, 1373.15, k_wa, k_b) < bound
     assert radiation.largest_effect(A, d, 1.0, k_wa, k_b) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("fall", [1e-12, 1e-3, 0.5, 2.999999, -1e-9, -1e4])
+def test_difference_of_fourth_powers_keeps_its_digits(fall):
+    with mpmath.workdps(60):
+        exact = mpmath.mpf(3) ** 4 - (mpmath.mpf(3) - mpmath.mpf(fall)) ** 4
+        assert abs(radiation.fourth_power_difference(3.0, fall) / exact - 1) < 1e-15
+
+
+def test_linearisation_error_of_a_tiny_step_is_zero_to_rounding():
+    assert radiation.linearisation_error(radiation.WATKINS_FACTORS, 1373.15, 1e-14) == pytest.approx(0.0, abs=1e-15)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from bedrad.heat import wall_layer
+from bedrad.heat import single_particle, wall_layer
 
 RATIOS = [
     1e-3,
@@ -22,6 +22,8 @@ RATIOS = [
     70,
     1e3,
     1e6,
+    1e9,
+    1e12,
 ]
 DISTANCES = [0.0, 1e-12, 1e-6, 0.05, 0.22, 0.6, 0.999, 1 - 1e-9]
 
@@ -38,7 +40,7 @@ def printed_factor(K, a):
 
 @pytest.mark.parametrize("K", RATIOS)
 @pytest.mark.parametrize("a", DISTANCES)
-def test_factors_hold_to_rounding_over_nine_decades(K, a):
+def test_factors_hold_to_rounding_over_fifteen_decades(K, a):
     exact = printed_factor(K, a)
     assert abs(wall_layer.no_contact_factor(K, a) / exact - 1) < 1e-14
     with mpmath.workdps(80):
@@ -106,3 +108,42 @@ def test_refuses_ratios_without_meaning(K):
 def test_refuses_distances_outside_the_layer(a):
     with pytest.raises(ValueError, match=r"a \(distance .* expected at least 0 and at most 1"):
         wall_layer.no_contact_factor(70.0, a)
+
+
+def column_integral(K, a, depth):
+    """Conductivity over k_g of a particle in a layer of any depth, column by column, in 40 digits."""
+    with mpmath.workdps(40):
+        K, a, depth = (mpmath.mpf(x) for x in (K, a, depth))
+        cap = min(depth - a, 2)
+        first, turn = max(1 - cap, 0), cap - 1
+
+        def column(u):
+            chord = min(depth, a + 1 + u) - (a + 1 - u)
+            return u / (depth - chord + chord / K)
+
+        peaks = [1 - mpmath.mpf(10) ** -k for k in (1, 2, 4, 6, 9, 12, 15)]
+        points = [first, turn, *peaks, 1]
+        points = sorted({p for p in points if first <= p <= 1})
+        return 2 * depth * mpmath.quad(column, points) / (1 - first**2)
+
+
+@pytest.mark.parametrize("depth", [0.3, 1.0, 1.1, 1.7, 2.0, 2.5])
+@pytest.mark.parametrize("K", [1e-3, 1 - 1e-9, 1.0, 70.0, 1e12])
+def test_particles_cut_at_any_depth(K, depth):
+    for a in (0.0, 1e-9, 0.25):
+        area, k = single_particle.cut_particle(K, a, depth)
+        assert abs(k / column_integral(K, a, depth) - 1) < 1e-14
+        cap = min(depth - a, 1.0)
+        assert area == pytest.approx(np.pi * cap * (2 - cap), rel=1e-14)
+
+
+def test_cut_at_one_radius_is_eq_34():
+    K, a = np.logspace(-3, 12, 40)[:, None], np.linspace(0, 1, 21)
+    area, k = single_particle.cut_particle(K, a)
+    assert k == pytest.approx(single_particle.particle_conductivity(K, a), rel=1e-14)
+    assert area == pytest.approx(np.broadcast_to(np.pi * (1 - a * a), area.shape), rel=1e-14)
+
+
+def test_cut_particle_refuses_what_lies_beyond_the_layer():
+    with pytest.raises(ValueError, match=r"nc_distance is 1.2 particle radii; expected at most layer_depth"):
+        single_particle.cut_particle(70.0, 1.2, 1.1)

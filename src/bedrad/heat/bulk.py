@@ -1,26 +1,41 @@
-"""Bulk conductivity: the fits of Watkins (2018), the model of Zehner, Bauer and Schluender."""
+"""Bulk conductivity: the fits of Watkins (2018), and by name the models of `bulk_models` and `bulk_layers`."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-import numpy as np
 from numpy.typing import ArrayLike
 
+from bedrad.heat.bulk_layers import KUNII_SMITH_POROSITIES, kunii_smith, kunii_smith_gas_film, yagi_kunii
+from bedrad.heat.bulk_models import deformation, modified_free_path, zehner_bauer_schluender, zehner_schluender
 from bedrad.heat.materials import ZERO_CELSIUS
-from bedrad.heat.radiation import STEFAN_BOLTZMANN
-from bedrad.heat.ranges import FloatArray, non_negative, plain, positive, warn_outside, within
+from bedrad.heat.ranges import FloatArray, plain, positive, warn_outside
 
 __all__ = [
+    "FIT_UNCERTAINTY",
+    "KUNII_SMITH_POROSITIES",
+    "MEASUREMENT_UNCERTAINTY",
     "TABLE_2_4",
     "TABLE_5_2",
     "BulkFit",
+    "deformation",
     "find_fit",
+    "kunii_smith",
+    "kunii_smith_gas_film",
     "measured",
     "modified_free_path",
+    "yagi_kunii",
     "zehner_bauer_schluender",
+    "zehner_schluender",
 ]
+
+MEASUREMENT_UNCERTAINTY = 0.09
+"""Largest relative uncertainty, 95 % confidence, of a conductivity measured with the concentric tubes (Watkins
+2018, Appendix A)."""
+
+FIT_UNCERTAINTY = 0.11
+"""The same for a conductivity taken from a fit of Table 2.4 (Watkins 2018, Appendix A)."""
 
 
 @dataclass(frozen=True)
@@ -126,123 +141,3 @@ def measured(
             "use zehner_bauer_schluender for others"
         )
     return fit.conductivity(temperature)
-
-
-def modified_free_path(
-    temperature: ArrayLike,
-    gas_conductivity: ArrayLike,
-    pressure: ArrayLike = 101325.0,
-    molar_mass: ArrayLike = 0.028964,
-    specific_heat: ArrayLike = 1003.5,
-    accommodation: ArrayLike = 1.0,
-) -> FloatArray:
-    """Mean free path of a gas as the Smoluchowski effect in narrow gaps needs it (VDI Heat Atlas, D6.3).
-
-    Parameters
-    ----------
-    temperature : float or array
-        Temperature. [K]
-    gas_conductivity : float or array
-        Conductivity of the gas. [W/(m K)]
-    pressure : float or array
-        Pressure. [Pa]
-    molar_mass : float or array
-        Molar mass, default air. [kg/mol]
-    specific_heat : float or array
-        Specific heat at constant pressure, default air. [J/(kg K)]
-    accommodation : float or array
-        Thermal accommodation coefficient, above 0 to 1.
-
-    Returns
-    -------
-    float or array
-        l [m]; it lowers the conductivity of the gas across a gap of width s to k_g/(1 + l/s).
-
-    Raises
-    ------
-    ValueError
-        If an input is not positive or the accommodation above 1.
-    """
-    gas_constant = 8.314462618 / positive("molar_mass", molar_mass, "kg/mol")
-    T = positive("temperature", temperature, "K")
-    share = within("accommodation", positive("accommodation", accommodation), 0.0, 1.0)
-    speed = np.sqrt(2.0 * math.pi * gas_constant * T)
-    capacity = 2.0 * positive("specific_heat", specific_heat, "J/(kg K)") - gas_constant
-    k_g = positive("gas_conductivity", gas_conductivity, "W/(m K)")
-    return plain(2.0 * (2.0 - share) / share * speed * k_g / (positive("pressure", pressure, "Pa") * capacity))
-
-
-def _logarithm_rest(q: FloatArray) -> FloatArray:
-    """(ln(1 + q) - q + q^2/2)/q^3, which is 1/3 at q = 0."""
-    small = np.abs(q) < 0.25
-    series = np.zeros_like(q)
-    for n in range(28, 2, -1):
-        series = series * np.where(small, -q, 0.0) + 1.0 / n
-    safe = np.where(small, 1.0, q)
-    return np.asarray(np.where(small, series, (np.log1p(safe) - safe + 0.5 * safe**2) / safe**3))
-
-
-def zehner_bauer_schluender(
-    gas_conductivity: ArrayLike,
-    solid_conductivity: ArrayLike,
-    porosity: ArrayLike,
-    particle_diameter: ArrayLike,
-    temperature: ArrayLike,
-    emissivity: ArrayLike = 0.8,
-    contact: ArrayLike = 0.0,
-    free_path: ArrayLike = 0.0,
-    *,
-    radiation: bool = True,
-) -> FloatArray:
-    """Conductivity of a bed of spheres with stagnant gas (Zehner, Bauer, Schluender; VDI Heat Atlas, D6.3).
-
-    Parameters
-    ----------
-    gas_conductivity, solid_conductivity : float or array
-        Conductivities of gas and solid. [W/(m K)]
-    porosity : float or array
-        Void fraction of the bed, between 0 and 1.
-    particle_diameter : float or array
-        Particle diameter. [m]
-    temperature : float or array
-        Temperature. [K]
-    emissivity : float or array
-        Emissivity of the particle surface, above 0 to 1.
-    contact : float or array
-        Share of the core that conducts through flattened contacts, phi (0.0077 for steel).
-    free_path : float or array
-        Modified mean free path of the gas (see `modified_free_path`); 0 leaves out the Smoluchowski effect.
-        [m]
-    radiation : bool
-        Radiation from particle to particle included.
-
-    Returns
-    -------
-    float or array
-        Bulk conductivity. [W/(m K)]
-
-    Raises
-    ------
-    ValueError
-        If an input has no meaning.
-    """
-    gas = positive("gas_conductivity", gas_conductivity, "W/(m K)")
-    K = positive("solid_conductivity", solid_conductivity, "W/(m K)") / gas
-    eps = within("porosity", positive("porosity", porosity), 0.0, 1.0, open_above=True)
-    d = positive("particle_diameter", particle_diameter, "m")
-    T = positive("temperature", temperature, "K")
-    e = within("emissivity", positive("emissivity", emissivity), 0.0, 1.0)
-    phi = within("contact", contact, 0.0, 1.0)
-    k_gap = 1.0 / (1.0 + non_negative("free_path", free_path, "m") / d)
-    k_rad = 4.0 * STEFAN_BOLTZMANN * T**3 * d / ((2.0 / e - 1.0) * gas) * float(radiation)
-    B = 1.25 * ((1.0 - eps) / eps) ** (10.0 / 9.0)
-    # The atlas divides by powers of N, which passes through 0; with g and m below N = B g (m - 1)/(K k_gap),
-    # and the terms that cancel at N = 0 are taken out by hand.
-    g = k_gap + (1.0 - k_gap) * (K + k_rad)
-    m = np.asarray((K + k_rad) / (B * g))
-    rest = K / (B * g) * ((B * m - 1.0) * _logarithm_rest(m - 1.0) - 0.5 * B)
-    rest = rest + 0.5 * (B + 1.0) * (1.0 + (1.0 - k_gap) * k_rad / k_gap)
-    core = 2.0 * K * k_gap / (B * g) * rest
-    root = np.sqrt(1.0 - eps)
-    voids = (1.0 - root) * eps * (1.0 / (eps - 1.0 + 1.0 / k_gap) + k_rad)
-    return plain(gas * (voids + root * (phi * K + (1.0 - phi) * core)))

@@ -2,7 +2,9 @@
 
 Wall and particles are black, each layer has one temperature. The view factors come from the wall: to the
 wall-adjacent layer (one particle radius thick), then to the following layers (one diameter each). The
-temperature falls by the same step from the wall to the first layer and from each layer to the next.
+temperature falls by the same step from the wall to the first layer and from each layer to the next. What these
+assumptions are worth: `bedrad.heat.wall_temperature_profile` for the steps and the fourth powers,
+`bedrad.heat.grey_enclosure` for black surfaces.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ __all__ = [
     "STEFAN_BOLTZMANN",
     "WATKINS_FACTORS",
     "conductivity",
+    "fourth_power_difference",
     "heat_flux",
     "largest_effect",
     "linearisation_condition",
@@ -42,6 +45,22 @@ def _factors(factors: ArrayLike) -> FloatArray:
     if np.any(F.sum(axis=-1) > 1.0 + 1e-9):
         raise ValueError(f"view factors sum to {float(np.max(F.sum(axis=-1))):.9g}; expected at most 1")
     return F
+
+
+def fourth_power_difference(temperature: ArrayLike, fall: ArrayLike) -> FloatArray:
+    """Give `T^4 - (T - fall)^4`, factored so that a small fall keeps its digits. [K4]
+
+    Parameters
+    ----------
+    temperature : float or array
+        T. [K]
+    fall : float or array
+        How much colder the other surface is. [K]
+    """
+    T = np.asarray(temperature, dtype=np.float64)
+    down = np.asarray(fall, dtype=np.float64)
+    other = T - down
+    return plain(down * (T + other) * (T * T + other * other))
 
 
 def penetration(factors_to_layers: ArrayLike) -> FloatArray:
@@ -121,9 +140,7 @@ def heat_flux(factors_to_layers: ArrayLike, wall_temperature: ArrayLike, layer_t
     F = _factors(factors_to_layers)
     T_wall = positive("wall_temperature", wall_temperature, "K")[..., None]
     T = positive("layer_temperatures", layer_temperatures, "K")
-    # the difference of fourth powers, factored so that small temperature differences keep their digits
-    difference = (T_wall - T) * (T_wall + T) * (T_wall * T_wall + T * T)
-    return plain(STEFAN_BOLTZMANN * (F * difference).sum(axis=-1))
+    return plain(STEFAN_BOLTZMANN * (F * fourth_power_difference(T_wall, T_wall - T)).sum(axis=-1))
 
 
 def linearised_heat_flux(
@@ -211,9 +228,11 @@ def linearisation_error(
     if np.any(step == 0.0):
         raise ValueError("temperature_step is 0 K: there is no flux to compare")
     T = positive("wall_temperature", wall_temperature, "K")
-    layers = np.arange(1.0, _factors(factors_to_layers).shape[-1] + 1.0)
-    full = heat_flux(factors_to_layers, T, T[..., None] - step[..., None] * layers)
-    return plain(linearised_heat_flux(factors_to_layers, T, step) / full - 1.0)
+    F = _factors(factors_to_layers)
+    falls = step[..., None] * np.arange(1.0, F.shape[-1] + 1.0)
+    positive("layer_temperatures", T[..., None] - falls, "K")
+    full = STEFAN_BOLTZMANN * (F * fourth_power_difference(T[..., None], falls)).sum(axis=-1)
+    return plain(linearised_heat_flux(F, T, step) / full - 1.0)
 
 
 def largest_effect(

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,9 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 __all__ = [
     "FloatArray",
     "RangeWarning",
+    "finite",
     "non_negative",
     "plain",
     "positive",
+    "quiet",
     "warn",
     "warn_outside",
     "within",
@@ -48,6 +54,13 @@ def positive(name: str, values: ArrayLike, unit: str = "", *, infinite: bool = F
     return x
 
 
+def finite(name: str, values: ArrayLike, unit: str = "") -> FloatArray:
+    """`values` as floats, refused unless all are finite."""
+    x = np.asarray(values, dtype=np.float64)
+    _refuse(name, x, np.isfinite(x), unit, "a finite number")
+    return x
+
+
 def non_negative(name: str, values: ArrayLike, unit: str = "") -> FloatArray:
     """`values` as floats, refused unless all are finite and none is negative."""
     x = np.asarray(values, dtype=np.float64)
@@ -66,8 +79,26 @@ def within(
     return x
 
 
+_silent: ContextVar[bool] = ContextVar("silent", default=False)
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Issue no `RangeWarning` inside the block, for values that are tried on the way to an answer.
+
+    Unlike `warnings.catch_warnings` it works in threads and leaves alone which warnings Python has shown.
+    """
+    token = _silent.set(True)
+    try:
+        yield
+    finally:
+        _silent.reset(token)
+
+
 def warn(message: str) -> None:
-    """Issue a `RangeWarning` that points at the first line outside `bedrad.heat`."""
+    """Issue a `RangeWarning` that points at the first line outside `bedrad.heat`; none inside `quiet`."""
+    if _silent.get():
+        return
     level, frame = 1, sys._getframe(0)
     while frame.f_back is not None and str(frame.f_globals.get("__name__", "")).startswith("bedrad.heat"):
         level, frame = level + 1, frame.f_back
@@ -84,15 +115,16 @@ def warn_outside(what: str, values: ArrayLike, low: float, high: float, unit: st
     values : array_like
         The values used.
     low, high : float
-        The fitted range.
+        The fitted range; infinite where it has no end.
     unit : str
         Unit of the range, may be empty.
     """
     x = np.asarray(values, dtype=np.float64)
-    slack = 1e-9 * max(abs(low), abs(high))
+    slack = 1e-9 * max((abs(limit) for limit in (low, high) if math.isfinite(limit)), default=0.0)
     outside = (x < low - slack) | (x > high + slack)
     if not np.any(outside):
         return
     first = float(np.atleast_1d(x)[np.atleast_1d(outside)][0])
     suffix = f" {unit}" if unit else ""
-    warn(f"{what} is {first:g}{suffix}, outside the fitted range {low:g} to {high:g}{suffix}: an extrapolation")
+    limits = f"{low:g} to {high:g}" if math.isfinite(high) else f"from {low:g}"
+    warn(f"{what} is {first:g}{suffix}, outside the fitted range {limits}{suffix}: an extrapolation")
