@@ -6,7 +6,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint format benchmark calibration study-structure study-flow clean help
+.PHONY: demo test lint format benchmark calibration study-structure study-flow study-grey heat-effort clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 18
@@ -40,6 +40,12 @@ study-flow: $(READY)  ## wall layers and view factors of flows; some 7 hours on 
 	$(BIN)/python benchmarks/flow_study.py --csv docs/flow_study.csv
 	$(BIN)/python benchmarks/flow_fits.py --csv docs/flow_study.csv --module src/bedrad/heat/flow_coefficients.py
 	$(BIN)/python benchmarks/flow_study_figures.py --csv docs/flow_study.csv --folder docs/images
+
+study-grey: $(READY)  ## grey walls and particles: exchange factors of settled and random beds, when black is wrong; some 5 minutes
+	$(BIN)/python benchmarks/grey_radiation.py
+
+heat-effort: $(READY)  ## error against run time of series, quadratures and draws; a minute
+	$(BIN)/python benchmarks/heat_effort.py --csv docs/heat_effort.csv --figure docs/images/heat_effort.png
 
 clean:  ## remove the environment and the results
 	rm -rf $(VENV) results

@@ -16,6 +16,7 @@ from jobs.small_job import JOB, STAGES, ring_bed, stub_stages, write_job
 
 COMMANDS = [name for name in cli.app if not name.startswith("-")]
 PREDICT = ("predict", "--tube", "7.75mm", "--diameter", "300um", "--velocity", "0.058m/s")
+LAYER = ("--packing-fraction", "0.4", "--contacts-per-area", "1mm^-2")
 
 
 # Help
@@ -61,6 +62,28 @@ def test_the_version_is_told(call):
         ([*PREDICT, "--temperature", "500"], "--temperature: '500' is not a quantity; .*such as '850 degC'$"),
         ([*PREDICT, "--temperature", "500 mm"], "--temperature: '500 mm' has the wrong kind of unit"),
         ([*PREDICT, "--temperature", "0 K"], "wall_temperature is 0 K; expected a positive"),
+        ([*PREDICT, "--temperature", "500K", "--properties", "layers"], "'layers' needs a heat_flux"),
+        ([*PREDICT, "--temperature", "500K", "--heat-flux", "5kW"], "--heat-flux: '5kW' has the wrong kind of unit"),
+        (
+            [*PREDICT, "--temperature", "500K", "--error", "diameter=5um"],
+            "--error 'diameter=5um': expected .*NAME=SIZE",
+        ),
+        ([*PREDICT, "--temperature", "500K", "--error", "porosity"], "--error 'porosity': expected .*NAME=SIZE"),
+        ([*PREDICT, "--temperature", "500K", "--error", "porosity=x"], "--error 'porosity=x': could not convert"),
+        (
+            [*PREDICT, "--temperature", "500K", "--error", "wall_temperature=5degC"],
+            "'5degC' is a temperature; expected a",
+        ),
+        (
+            [*PREDICT, "--temperature", "500K", "--error", "velocity=-1%"],
+            "--error 'velocity=-1%': standard error of vel",
+        ),
+        ([*PREDICT, "--temperature", "500K", "--samples", "1"], "samples is 1; expected at least 2"),
+        ([*PREDICT, "--temperature", "500K", "-o", "a.txt"], "--output 'a.txt': expected a file that ends in .csv"),
+        (
+            [*PREDICT, "--diameter", "1mm", "--temperature", "1K", *LAYER],
+            "a measured wall layer belongs to one flow",
+        ),
         (["predict", "--tube", "7.75 lm", *PREDICT[3:]], "--tube: '7.75 lm' has the wrong kind of unit"),
         (["predict", "--tube", "[/x]", *PREDICT[3:]], r"--tube: '\[/x\]' is not a quantity"),
         ([*PREDICT, "--temperature", "1 K", "--bulk", "zbss"], '--bulk. Choose from: "auto", "table 5.2", "zbs"'),

@@ -1,17 +1,20 @@
 from __future__ import annotations
 
+import csv
 import os
 import re
 import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import h5py
 import numpy as np
 import pytest
 
 import bedrad
+from bedrad import heat
 from bedrad.jobs.results import Results
 from jobs.small_job import JOB, STAGES, WALL, ring_bed, stub_stages, write_job
 
@@ -154,6 +157,33 @@ def test_a_prediction_is_printed(call):
     # a measured wall layer and measured view factors change it
     measured = ("--packing-fraction", "0.4", "--contacts-per-area", "5 mm^-2", "--view-factor", "0.9")
     assert call(*PREDICT, "--temperature", "100degC", *measured)[1].splitlines()[2] != rows[0]
+
+
+def test_a_table_of_flows_is_written_with_its_budget_and_figure(call, tmp_path):
+    path = tmp_path / "hot.csv"
+    words = (
+        "--temperature 100degC --temperature 1100degC --diameter 600um --velocity 0.1m/s --published-errors --budget"
+    )
+    code, out, err = call(*PREDICT, *words.split(), "--error", "particle_diameter=1%", "--samples", "50", "-o", path)
+    assert (code, err) == (0, [])
+    assert out.count("tube: D 7.75 mm") == out.count("50 draws from seed 0") == out.count("elasticity") == 4
+    with path.open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == 8
+    flow = {(row["particle diameter [m]"], row["velocity [m/s]"]) for row in rows}
+    assert flow == {(d, U) for d in ("0.0003", "0.0006") for U in ("0.058", "0.1")}
+    first = rows[0]
+    system = heat.prediction.System(7.75e-3, 300e-6, 0.058)
+    given = replace(heat.prediction.Uncertainties.published(), particle_diameter=3e-6)
+    alone = heat.prediction.predict(system, 373.15, uncertainties=given)
+    assert float(first["heat transfer coefficient [W/(m2 K)]"]) == pytest.approx(float(alone.heat_transfer_coefficient))
+    assert float(first["its standard error [W/(m2 K)]"]) == pytest.approx(float(alone.heat_transfer_coefficient_error))
+    with (tmp_path / "hot_budget.csv").open() as stream:
+        budget = list(csv.DictReader(stream))
+    assert len(budget) == 8 * len(alone.budget.names)
+    shares = [float(row["share of variance [1]"]) for row in budget[: len(alone.budget.names)]]
+    assert sum(shares) == pytest.approx(1)
+    assert (tmp_path / "hot.png").stat().st_size > 20_000
 
 
 # Real processes

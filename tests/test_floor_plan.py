@@ -28,7 +28,16 @@ BELOW = {
 """Rooms, and the rooms that each may import from besides itself."""
 
 ROOM_OF = dict.fromkeys(
-    ("command_options", "convergence_command", "convert_command", "flow_command", "statistics_command"), "cli"
+    (
+        "command_options",
+        "convergence_command",
+        "convert_command",
+        "flow_command",
+        "predict_command",
+        "reduce_command",
+        "statistics_command",
+    ),
+    "cli",
 )
 MAY_IMPORT_LATE = {"bedrad", "bedrad.cli", *(f"bedrad.{module}" for module in ROOM_OF)}
 """Modules that load most of what they need when it is needed."""

@@ -19,16 +19,12 @@ from bedrad import __version__
 from bedrad.command_options import (
     OUTPUT,
     BedOptions,
-    Conductivity,
     Density,
     DryRun,
     Length,
     Output,
-    PerArea,
     Seed,
     Stiffness,
-    Temperature,
-    Velocity,
     check_bed_output,
     check_output,
     compiling_told,
@@ -45,6 +41,8 @@ from bedrad.convergence_command import convergence
 from bedrad.convert_command import convert
 from bedrad.errors import EngineFailedError, MissingExtraError
 from bedrad.flow_command import flow
+from bedrad.predict_command import predict
+from bedrad.reduce_command import reduce
 from bedrad.statistics_command import statistics
 
 __all__ = ["app", "main"]
@@ -54,6 +52,8 @@ INTERRUPTED = 130
 
 app = App(
     name="bedrad",
+    # a list is an option given several times; a text in brackets is no list but wrong
+    default_parameter=Parameter(json_list=False),
     version=__version__,
     help="Packings near walls, exact-sphere view factors, and the heat transfer of dense granular flows up to "
     "1100 degC.",
@@ -283,76 +283,20 @@ app.command(
 )
 
 
-@app.command(
-    help_epilogue="Example:  bedrad predict --tube 7.75mm --diameter 300um --velocity 0.058m/s "
-    "--temperature 100degC --temperature 1100degC"
+app.command(
+    reduce,
+    help_epilogue="Example:  bedrad reduce examples/measured_flow.csv --tube 7.614mm --outer 9.53mm --diameter 270um "
+    '--heated-length 1.57m --insulation "25 mm: 0.09 W/(m K)" --insulation "70 mm: 0.05 W/(m K)" -o measured.csv',
 )
-def predict(
-    *,
-    tube: Annotated[Length, Parameter(name="--tube")],
-    diameter: Length,
-    velocity: Velocity,
-    temperature: Annotated[tuple[Temperature, ...], Parameter(negative=())],
-    solid_conductivity: Conductivity = 2.1,
-    packing_fraction: float | None = None,
-    contacts_per_area: PerArea | None = None,
-    nc_distance: float | None = None,
-    view_factor: Annotated[tuple[float, ...], Parameter(negative=())] = (),
-    correlation: Literal["watkins", "bedrad"] = "watkins",
-    bulk: Literal["auto", "table 5.2", "zbs"] = "auto",
-    bulk_packing_fraction: float = 0.63,
-    emissivity: float = 0.8,
-) -> None:
-    """Predict the heat transfer of a dense flow in a hot tube by the two-layer model (Watkins 2018).
 
-    Parameters
-    ----------
-    tube
-        Inner diameter of the tube.
-    diameter
-        Particle diameter.
-    velocity
-        Mean flow velocity; enters through the correlations of the wall layer.
-    temperature
-        Wall temperature, such as 850degC; once for each.
-    solid_conductivity
-        Conductivity of the particles. [default: 2.1 W/(m K), zirconia-silica]
-    packing_fraction
-        Measured solid fraction of the wall layer, in place of the correlation; with --contacts-per-area.
-    contacts_per_area
-        Measured wall contacts per wall area, such as "1.9 mm^-2", in place of the correlation; with --packing-fraction.
-    nc_distance
-        Measured distance of the no-contact particles from the wall, in radii, with the two above; 0.22 if not given.
-    view_factor
-        View factor to a layer, once for each layer from the wall; by --correlation if not given.
-    correlation
-        Whose flows are taken for wall layer and view factors that are not given: Watkins' (0.80, 0.18, 0.02 at any
-        velocity, no errors) or bedrad's own, with errors (docs/flow_study.md).
-    bulk
-        Bulk conductivity: the measured fits where there is one for the particles, or a model.
-    bulk_packing_fraction
-        Solid fraction of the bulk.
-    emissivity
-        Emissivity of the particles in the bulk; in the wall layer all surfaces are black.
-    """
-    from bedrad.heat import prediction
 
-    system = prediction.System(
-        tube,
-        diameter,
-        velocity,
-        solid_conductivity=solid_conductivity,
-        porosity=1 - bulk_packing_fraction,
-        emissivity=emissivity,
-    )
-    layer = None
-    if packing_fraction is not None and contacts_per_area is not None:
-        layer = prediction.WallLayer(packing_fraction, contacts_per_area, 0.22 if nc_distance is None else nc_distance)
-    elif (packing_fraction, contacts_per_area, nc_distance) != (None, None, None):
-        raise ValueError("give --packing-fraction and --contacts-per-area together, and --nc-distance with them only")
-    factors = prediction.ViewFactors(view_factor) if view_factor else None  # type: ignore[arg-type]
-    found = prediction.predict(system, list(temperature), layer, factors, bulk, correlation)
-    say(str(found))
+app.command(
+    predict,
+    help_epilogue="Example:  bedrad predict --tube 7.75mm --diameter 300um --velocity 0.058m/s "
+    "--temperature 100degC --temperature 1100degC\n\n"
+    "What matters most:  bedrad predict --tube 7.75mm --diameter 300um --velocity 0.058m/s --temperature 850degC "
+    "--published-errors --error particle_diameter=5um --budget",
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

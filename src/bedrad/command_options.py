@@ -45,6 +45,7 @@ Temperature = Annotated[float, read_as("K")]
 Density = Annotated[float, read_as("kg/m^3")]
 Stiffness = Annotated[float, read_as("N/m")]
 Pressure = Annotated[float, read_as("Pa")]
+HeatFlux = Annotated[float, read_as("W/m^2")]
 Conductivity = Annotated[float, read_as("W/(m K)")]
 PerArea = Annotated[float, read_as("1/m^2")]
 Seed = Annotated[int, Parameter(validator=cyclopts.validators.Number(gte=0, lt=2**63))]
@@ -344,7 +345,7 @@ def compiling_told() -> Iterator[None]:
 
 
 def _note(text: str) -> None:
-    NOTES.print(text, highlight=False, markup=False, soft_wrap=True)
+    NOTES.print(text, highlight=False, markup=False, emoji=False, soft_wrap=True)
 
 
 @contextmanager
@@ -372,7 +373,7 @@ def warning_printer() -> Callable[..., None]:
         text = " ".join(str(message).split())
         if text not in shown:
             shown.add(text)
-            NOTES.print(f"warning: {text}", highlight=False, markup=False, style="yellow", soft_wrap=True)
+            NOTES.print(f"warning: {text}", highlight=False, markup=False, emoji=False, style="yellow", soft_wrap=True)
 
     return show
 
@@ -382,5 +383,5 @@ def fail(error: BaseException | str, code: int) -> int:
     text = str(error) or type(error).__name__
     if isinstance(error, OSError) and error.filename is not None and error.strerror:
         text = f"{error.filename}: {error.strerror}"
-    NOTES.print(f"bedrad: {text}", highlight=False, markup=False, style="red", soft_wrap=True)
+    NOTES.print(f"bedrad: {text}", highlight=False, markup=False, emoji=False, style="red", soft_wrap=True)
     return code

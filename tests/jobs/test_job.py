@@ -172,6 +172,14 @@ def test_an_unknown_key_is_refused_by_name_with_the_nearest_known_one(text, mess
         (FILE + PREDICTION.replace('"850 degC"', '"1 K",' * 1001), "prediction.wall_temperatures", "['1 K', '1 K'"),
         (FILE + PREDICTION + "emissivity = 1.1\n", "prediction.emissivity", "1.1"),
         (FILE + PREDICTION + 'bulk = "zbss"\n', "prediction.bulk", "'zbss'"),
+        (FILE + PREDICTION + 'heat_flux = "5 kW"\n', "prediction.heat_flux", "'5 kW'"),
+        (FILE + PREDICTION + 'properties = "film"\n', "prediction.properties", "'film'"),
+        (FILE + PREDICTION + "errors = { porosity = -0.1 }\n", "prediction.errors.porosity", "-0.1"),
+        (
+            FILE + PREDICTION + 'errors = { wall_temperature = "5 degC" }\n',
+            "prediction.errors.wall_temperature",
+            "5 degC",
+        ),
         (FILE + '[output]\ntables = "yes"\n', "output.tables", "'yes'"),
         (FILE + "[output]\nfigures = 1\n", "output.figures", "1"),
     ],
@@ -254,6 +262,10 @@ def test_a_missing_key_is_named(text, field):
         (
             FILE + PREDICTION.replace('["850 degC"]', "[]"),
             "prediction: wall_temperatures is an empty list; give a temperature, such as '850 degC'",
+        ),
+        (
+            FILE + PREDICTION + 'properties = "layers"\n',
+            "prediction: properties 'layers' needs a heat_flux, which parts mean and wall temperature",
         ),
     ],
 )

@@ -123,6 +123,9 @@ def test_all_stages_run_in_order_and_then_none(job_file, calls):
         ("seeds = 2", "seeds = 3", ("convergence",)),
         ("0.016 m/s", "0.017 m/s", ("prediction",)),
         ("850 degC", "900 degC", ("prediction",)),
+        ("[prediction]", '[prediction]\ncorrelation = "bedrad"', ("prediction",)),
+        ("[prediction]", '[prediction]\nheat_flux = "5 kW/m^2"\nproperties = "mean"', ("prediction",)),
+        ("[prediction]", "[prediction]\nerrors = { published = true }", ("prediction",)),
         ("[output]", "[layers]\ncount = 2\n[output]", ("statistics", "view_factors", "convergence", "prediction")),
         ("[packing.file]", '[wall]\ndiameter = "7.75 mm"\n[packing.file]', STAGES),
         ('path = "bed.h5"', 'path = "bed.h5"\nperiod = "8 mm"', STAGES),
@@ -319,3 +322,24 @@ def test_an_unknown_error_is_told_not_taken_for_certainty():
     with pytest.warns(UserWarning, match="no standard error of packing_fraction"):
         assert stages._known(np.nan, "packing_fraction") == 0.0
     assert stages._known(0.25, "packing_fraction") == 0.25
+
+
+def test_the_budget_of_uncertainty_stays_with_the_prediction(job_file):
+    """Errors of bed, rays and of what the job states; each row an input, and all of them together h's error."""
+    rewrite(job_file, ("[prediction]", PUBLISHED + '\nerrors = { published = true, wall_temperature = "5 K" }'))
+    results = run(job_file)
+    case = results.read("prediction")["measured"]
+    budget = case["budget"]
+    names = list(budget["inputs"])
+    assert budget["contributions"].shape == (len(names), 2)
+    total = np.sqrt((budget["contributions"] ** 2).sum(axis=0))
+    np.testing.assert_allclose(total, case["heat_transfer_coefficient_error"], rtol=1e-12)
+    errors = dict(zip(names, budget["errors"][:, 0], strict=True))
+    assert errors["wall_temperature"] == 5.0
+    assert errors["bulk_conductivity"] == pytest.approx(0.11 / 1.96)
+    # the measured layer has its own errors, and what one layer loses of the rays another wins
+    statistics, factors = results.read("statistics"), results.read("view_factors")
+    assert errors["packing_fraction"] == statistics["packing_fraction_error"]
+    steps = np.arange(1, 4)
+    independent = np.linalg.norm(steps * np.hypot(factors["layers_error"], factors["layers_bed_error"]))
+    assert 0 < errors["view_factors"] < independent

@@ -25,7 +25,7 @@ from bedrad.jobs.results import (
 from jobs.small_job import STAGES, WALL, ring_bed
 
 FIELDS = {"share": ("1", "a share"), "depths": ("m", "some depths"), "absent": ("1", "nothing")}
-KNOWN_UNITS = {"1", "m", "s", "K", "m/s", "1/m2", "1/m3", "W/(m K)", "W/(m2 K)"}
+KNOWN_UNITS = {"1", "m", "s", "K", "m/s", "1/m2", "1/m3", "W/(m K)", "W/(m2 K)", "SI"}
 
 
 def write(results, stage="statistics", value=1.0, keep=(), digest="d", **attributes):

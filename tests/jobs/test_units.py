@@ -6,7 +6,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from bedrad.jobs.units import quantity, shortened
+from bedrad.jobs.units import quantity, shortened, temperature_difference
 
 UNITS = ("m", "m/s", "K", "kg/m^3", "N/m", "W/(m K)")
 
@@ -123,3 +123,14 @@ def test_anything_else_is_a_finite_number_or_a_value_error(text, unit):
     else:
         assert isinstance(value, float)
         assert math.isfinite(value)
+
+
+@pytest.mark.parametrize(("text", "kelvin"), [("5 K", 5.0), ("5 mK", 5e-3)])
+def test_a_difference_of_temperatures(text, kelvin):
+    assert temperature_difference(text) == pytest.approx(kelvin)
+
+
+@pytest.mark.parametrize("text", ["5 degC", "9 degF", "5 °C"])
+def test_a_temperature_is_no_difference_of_temperatures(text):
+    with pytest.raises(ValueError, match="is a temperature; expected a difference of temperatures, such as '5 K'"):
+        temperature_difference(text)

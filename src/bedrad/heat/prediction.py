@@ -2,33 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bedrad.heat import radiation
+from bedrad.heat.budget import Budget, MonteCarlo, monte_carlo, propagate, standard_errors
+from bedrad.heat.bulk_choice import Bulk, BulkModel, bulk_conductivity, fit_for
+from bedrad.heat.evaluation import Evaluation, PropertyTemperature, check_property_temperature
 from bedrad.heat.gas import air_conductivity
 from bedrad.heat.ranges import FloatArray, plain, positive
-from bedrad.heat.systems import (
-    TABLE_5_1,
-    Bulk,
-    BulkModel,
-    Correlation,
-    System,
-    ViewFactors,
-    WallLayer,
-    bulk_conductivity,
-)
-from bedrad.heat.two_layer import nusselt_developed
+from bedrad.heat.systems import TABLE_5_1, Correlation, System, ViewFactors, WallLayer
+from bedrad.heat.uncertainties import Uncertainties
 
 __all__ = [
     "TABLE_5_1",
+    "Budget",
     "Bulk",
     "BulkModel",
     "Correlation",
+    "MonteCarlo",
     "Prediction",
+    "PropertyTemperature",
     "System",
+    "Uncertainties",
     "ViewFactors",
     "WallLayer",
     "bulk_conductivity",
@@ -36,9 +35,15 @@ __all__ = [
     "predict",
 ]
 
-_STEP = 1e-3
-"""Step of the central differences, in standard errors: small enough to be linear, large enough for the
-digits."""
+_RESULTS = (
+    "wall_layer_conductivity",
+    "radiative_conductivity",
+    "nusselt",
+    "nusselt_without",
+    "heat_transfer_coefficient",
+    "heat_transfer_coefficient_without",
+)
+"""Results that carry a standard error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +62,14 @@ class Prediction:
         Where the bulk conductivity comes from.
     wall_temperature : (n,) array
         [K]
+    property_temperature : str
+        At which temperature the properties were taken: "wall", "mean" or "layers".
+    wall_layer_temperature, bulk_temperature : (n,) arrays
+        Those temperatures, for the wall layer and for the bulk. [K]
+    mean_temperature : (n,) array
+        Mean temperature of the flow, T_w - q/h; nan without a heat flux. [K]
     gas_conductivity : (n,) array
-        k_g at the wall temperature. [W/(m K)]
+        k_g at the temperature of the wall layer. [W/(m K)]
     wall_layer_conductivity, radiative_conductivity : (n,) arrays
         k_wa by conduction, k_rad. [W/(m K)]
     bulk_conductivity, bulk_conductivity_without : (n,) arrays
@@ -70,8 +81,12 @@ class Prediction:
     heat_transfer_coefficient, heat_transfer_coefficient_without : (n,) arrays
         h. [W/(m2 K)]
     <name>_error : (n,) arrays
-        Standard errors from those of wall layer and view factors, taken as independent; the view factors of
-        one run fall where others rise, which makes this an upper estimate. The bulk counts as exact.
+        Standard errors, to first order, from those of the wall layer, of the view factors with their covariance, and
+        of the given `Uncertainties`.
+    budget : Budget
+        Which input makes how much of the uncertainty of h, and how h answers to every input.
+    monte_carlo : MonteCarlo or None
+        The same uncertainty by drawing the inputs, if samples were asked for.
     """
 
     system: System
@@ -79,6 +94,10 @@ class Prediction:
     view_factors: ViewFactors
     bulk_model: str
     wall_temperature: FloatArray
+    property_temperature: PropertyTemperature
+    wall_layer_temperature: FloatArray
+    bulk_temperature: FloatArray
+    mean_temperature: FloatArray
     gas_conductivity: FloatArray
     wall_layer_conductivity: FloatArray
     radiative_conductivity: FloatArray
@@ -96,6 +115,8 @@ class Prediction:
     nusselt_without_error: FloatArray
     heat_transfer_coefficient_error: FloatArray
     heat_transfer_coefficient_without_error: FloatArray
+    budget: Budget
+    monte_carlo: MonteCarlo | None
 
     @property
     def radiation_gain(self) -> FloatArray:
@@ -128,47 +149,6 @@ class Prediction:
         return "\n".join(lines)
 
 
-@dataclass(frozen=True, eq=False)
-class _Fixed:
-    """What does not change while the uncertain inputs are varied."""
-
-    system: System
-    layer: WallLayer
-    temperature: FloatArray
-    gas: FloatArray
-    bulk: Bulk
-
-
-def _evaluate(inputs: FloatArray, fixed: _Fixed, *, warn: bool) -> FloatArray:
-    """(6, n) array: k_wa, k_rad, Nu, Nu without, h, h without, for phi_wa, n_C, a, F_1, F_2, ..."""
-    system, bulk = fixed.system, fixed.bulk
-    A, D = system.diameter_ratio, system.tube_diameter
-    phi, contacts, distance = (float(x) for x in inputs[:3])
-    layer = replace(fixed.layer, packing_fraction=phi, contacts_per_area=contacts, nc_distance=distance)
-    k_wa = layer.conductivity(system, fixed.gas, warn=warn)
-    steps = float(inputs[3:] @ np.arange(1.0, len(inputs) - 2.0))
-    # not radiation.conductivity: a varied factor may pass 0 or 1 by a fraction of its error
-    k_rad = 2.0 * radiation.STEFAN_BOLTZMANN * system.particle_diameter * fixed.temperature**3 * steps
-    nu = nusselt_developed(A, bulk.with_radiation / (k_wa + k_rad))
-    nu_without = nusselt_developed(A, bulk.without_radiation / k_wa)
-    h, h_without = nu * bulk.with_radiation / D, nu_without * bulk.without_radiation / D
-    return np.stack(np.broadcast_arrays(k_wa, k_rad, nu, nu_without, h, h_without))
-
-
-def _errors(inputs: FloatArray, errors: FloatArray, fixed: _Fixed) -> FloatArray:
-    """Propagate the standard errors through `_evaluate` by central differences, inputs independent."""
-    variance = np.zeros((6, *fixed.temperature.shape))
-    for i in np.flatnonzero(errors):
-        above, below = inputs.copy(), inputs.copy()
-        above[i] += _STEP * errors[i]
-        # none of the inputs can be negative, so the difference is one-sided at zero
-        below[i] = max(below[i] - _STEP * errors[i], 0.0)
-        rise = _evaluate(above, fixed, warn=False) - _evaluate(below, fixed, warn=False)
-        slope = rise / (above[i] - below[i])
-        variance += (slope * errors[i]) ** 2
-    return np.sqrt(variance)
-
-
 def _matched(bulk: Bulk, temperature: FloatArray) -> Bulk:
     """Check given bulk conductivities and spread them over the temperatures."""
     spread = []
@@ -190,14 +170,26 @@ def predict(
     view_factors: ViewFactors | None = None,
     bulk: Bulk | BulkModel = "auto",
     correlation: Correlation = "watkins",
+    *,
+    property_temperature: PropertyTemperature = "wall",
+    heat_flux: ArrayLike | None = None,
+    gas_conductivity: Callable[[FloatArray], FloatArray] = air_conductivity,
+    uncertainties: Uncertainties | None = None,
+    samples: int = 0,
+    seed: int = 0,
 ) -> Prediction:
     """Heat transfer coefficient and Nusselt number of the developed flow, with radiation and without.
 
     `h = Nu k_b/D` with Nu of Watkins (2018), eq. 22; the wall layer conducts by eq. 35 or 41 and radiates by
-    eq. 50. As in the source (section 5.3), every property is taken at the wall temperature: right for the
-    wall layer, which holds most of the resistance, and for the radiation, which the mean temperature would
-    underestimate; it overstates the bulk conductivity a little. "Without" leaves radiation out of bulk and
-    wall layer. The gas is air.
+    eq. 50. "Without" leaves radiation out of bulk and wall layer, at the same property temperatures.
+
+    At which temperature the properties are taken is a choice. "wall" is that of the source for hot walls (section
+    5.3), for a design by the wall's limit; it overstates both conductivities. "mean" is the mean temperature of the
+    flow, that of the source for its cold measurements (section 4.1); it understates them, and radiation most. "layers"
+    takes each where it is, such that what depends linearly on temperature is right to first order in the heat flux: the
+    wall layer in its middle, the bulk a third of the way from its mean to its edge, and radiation by the fourth
+    powers of eq. 48 over equal steps, the step being the fall of temperature across the wall layer. The last two need
+    the heat flux, which parts mean and wall temperature.
 
     Parameters
     ----------
@@ -214,6 +206,18 @@ def predict(
     correlation : {"watkins", "bedrad"}
         Whose flows are taken for what is left out: the publication's, without errors, or bedrad's own, with errors
         (`flow_correlations.estimate`).
+    property_temperature : {"wall", "mean", "layers"}
+        At which temperature the properties are taken.
+    heat_flux : float or (n,) array, optional
+        Heat flux from wall to flow, negative where the flow heats the wall. [W/m2]
+    gas_conductivity : callable
+        Conductivity [W/(m K)] of the gas at temperatures [K].
+    uncertainties : Uncertainties, optional
+        Standard errors of diameters, properties, temperatures and correlations; none if left out.
+    samples : int
+        Draws of a Monte Carlo propagation; 0 for none.
+    seed : int
+        Seed of the draws.
 
     Returns
     -------
@@ -223,7 +227,8 @@ def predict(
     Raises
     ------
     ValueError
-        If an input has no meaning, or packing fraction and contacts do not fit together.
+        If an input has no meaning, packing fraction and contacts do not fit together, or the heat flux would need a
+        flow below absolute zero.
 
     Warns
     -----
@@ -231,45 +236,61 @@ def predict(
         Outside the range of the correlations or of Table 5.2, and where the void share of k_wa is negative.
     """
     T = positive("wall_temperature", wall_temperature, "K")
-    layer = WallLayer.from_correlations(system, correlation) if wall_layer is None else wall_layer
-    factors = ViewFactors.from_correlations(system, correlation) if view_factors is None else view_factors
-    k_b = bulk_conductivity(system, T, bulk) if isinstance(bulk, str) else _matched(bulk, T)
-    fixed = _Fixed(system, layer, T, air_conductivity(T), k_b)
-    inputs = np.array([layer.packing_fraction, layer.contacts_per_area, layer.nc_distance, *factors.to_layers])
-    sigmas = np.array(
-        [
-            layer.packing_fraction_error,
-            layer.contacts_per_area_error,
-            layer.nc_distance_error,
-            *factors.errors,
-        ]
-    )
-    values = _evaluate(inputs, fixed, warn=True)
-    errors = _errors(inputs, sigmas, fixed)
-    k_wa, k_rad, nu, nu_without, h, h_without = (plain(row) for row in values)
-    return Prediction(
+    if T.ndim > 1:
+        raise ValueError(f"wall_temperature has the shape {T.shape}; expected one number or a row of them")
+    check_property_temperature(property_temperature, has_flux=heat_flux is not None)
+    evaluation = Evaluation(
         system=system,
-        wall_layer=layer,
-        view_factors=factors,
-        bulk_model=k_b.model,
-        wall_temperature=plain(T),
-        gas_conductivity=fixed.gas,
-        wall_layer_conductivity=k_wa,
-        radiative_conductivity=k_rad,
-        bulk_conductivity=k_b.with_radiation,
-        bulk_conductivity_without=k_b.without_radiation,
-        conductivity_ratio=plain(k_b.with_radiation / (k_wa + k_rad)),
-        conductivity_ratio_without=plain(k_b.without_radiation / k_wa),
-        nusselt=nu,
-        nusselt_without=nu_without,
-        heat_transfer_coefficient=h,
-        heat_transfer_coefficient_without=h_without,
-        wall_layer_conductivity_error=plain(errors[0]),
-        radiative_conductivity_error=plain(errors[1]),
-        nusselt_error=plain(errors[2]),
-        nusselt_without_error=plain(errors[3]),
-        heat_transfer_coefficient_error=plain(errors[4]),
-        heat_transfer_coefficient_without_error=plain(errors[5]),
+        layer=WallLayer.from_correlations(system, correlation) if wall_layer is None else wall_layer,
+        layer_correlation=correlation if wall_layer is None else None,
+        factors=ViewFactors.from_correlations(system, correlation) if view_factors is None else view_factors,
+        factor_correlation=correlation if view_factors is None else None,
+        bulk=fit_for(system, bulk) if isinstance(bulk, str) else _matched(bulk, T),
+        gas_conductivity=gas_conductivity,
+        property_temperature=property_temperature,
+        wall_temperature=np.atleast_1d(T),
+        heat_flux=None if heat_flux is None else _flux(heat_flux, T),
+    )
+    return _result(evaluation, T.shape, uncertainties or Uncertainties(), samples, seed)
+
+
+def _flux(heat_flux: ArrayLike, temperature: FloatArray) -> FloatArray:
+    q = np.asarray(heat_flux, dtype=np.float64)
+    if not np.isfinite(q).all() or q.shape not in ((), temperature.shape):
+        raise ValueError(
+            f"heat_flux is {heat_flux!r}; expected one finite number, or one for each of {temperature.size} wall "
+            "temperatures"
+        )
+    return np.atleast_1d(np.broadcast_to(q, temperature.shape))
+
+
+def _result(
+    evaluation: Evaluation, shape: tuple[int, ...], uncertainties: Uncertainties, samples: int, seed: int
+) -> Prediction:
+    """Evaluate once with warnings, then propagate the errors."""
+    found = evaluation.evaluate(evaluation.inputs())
+    errors = standard_errors(evaluation, uncertainties)
+    budget, propagated = propagate(evaluation, found, errors)
+    bulk = evaluation.bulk
+    model = bulk.model if isinstance(bulk, Bulk) else "zbs" if bulk is None else "table 5.2"
+    values = {name: plain(value.reshape(shape)) for name, value in found.items()}
+    total = found["wall_layer_conductivity"] + found["radiative_conductivity"]
+    return Prediction(
+        system=evaluation.system,
+        wall_layer=evaluation.layer,
+        view_factors=evaluation.factors,
+        bulk_model=model,
+        wall_temperature=plain(evaluation.wall_temperature.reshape(shape)),
+        property_temperature=evaluation.property_temperature,
+        gas_conductivity=plain(evaluation.gas_conductivity(found["wall_layer_temperature"]).reshape(shape)),
+        conductivity_ratio=plain((found["bulk_conductivity"] / total).reshape(shape)),
+        conductivity_ratio_without=plain(
+            (found["bulk_conductivity_without"] / found["wall_layer_conductivity"]).reshape(shape)
+        ),
+        **values,
+        **{f"{name}_error": plain(propagated[name].reshape(shape)) for name in _RESULTS},
+        budget=budget,
+        monte_carlo=monte_carlo(evaluation, errors, samples, seed) if samples else None,
     )
 
 

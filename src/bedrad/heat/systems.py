@@ -1,34 +1,26 @@
-"""What a prediction needs to know: tube, wall layer, view factors and bulk, each a small record."""
+"""What a prediction needs to know: tube, wall layer and view factors, each a small record."""
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bedrad.heat import bulk as bulk_models
 from bedrad.heat import correlations, flow_correlations, radiation, wall_layer
 from bedrad.heat.flow_correlations import Quantity
-from bedrad.heat.gas import air_conductivity
 from bedrad.heat.materials import ZIRCONIA_SILICA
-from bedrad.heat.ranges import FloatArray, RangeWarning, non_negative, plain, positive, within
+from bedrad.heat.ranges import FloatArray, non_negative, positive, within
 
 __all__ = [
     "TABLE_5_1",
-    "Bulk",
-    "BulkModel",
     "Correlation",
     "System",
     "ViewFactors",
     "WallLayer",
-    "bulk_conductivity",
     "check_correlation",
 ]
-
-BulkModel = Literal["auto", "table 5.2", "zbs"]
 
 Correlation = Literal["watkins", "bedrad"]
 """Whose flows the wall layer and the view factors are taken from where they were not measured."""
@@ -195,6 +187,19 @@ class WallLayer:
         )
 
 
+def _covariance(given: ArrayLike, layers: int) -> FloatArray:
+    """Check a covariance of view factors: its shape, symmetry, and that no combination has a negative variance."""
+    covariance = np.array(given, dtype=np.float64)
+    if covariance.shape != (layers, layers):
+        raise ValueError(f"view factor covariance has the shape {covariance.shape}; expected ({layers}, {layers})")
+    if not np.isfinite(covariance).all() or not np.allclose(covariance, covariance.T, rtol=1e-9, atol=0.0):
+        raise ValueError("view factor covariance is not symmetric and finite")
+    least = float(np.linalg.eigvalsh(covariance)[0])
+    if least < -1e-9 * float(np.trace(covariance)):
+        raise ValueError(f"view factor covariance has the negative eigenvalue {least:g}; expected none below 0")
+    return covariance
+
+
 @dataclass(frozen=True, eq=False)
 class ViewFactors:
     """View factors from the wall to the layers, with standard errors.
@@ -204,11 +209,20 @@ class ViewFactors:
     to_layers : (layers,) array
         The wall-adjacent layer first. What returns to the wall or escapes is left out.
     errors : (layers,) array, optional
-        Standard errors; zero if left out.
+        Standard errors; zero if left out, or those of the covariance.
+    covariance : (layers, layers) array, optional
+        Covariance of the factors, where it is known: rays that one layer takes from another make one factor fall as
+        the other rises. Independent, with the standard errors, if left out.
+
+    Raises
+    ------
+    ValueError
+        If a factor is not from 0 to 1, they sum to more than 1, or errors and covariance do not fit.
     """
 
     to_layers: FloatArray
     errors: FloatArray = field(default_factory=lambda: np.zeros(1))
+    covariance: FloatArray | None = None
 
     def __post_init__(self) -> None:
         factors = np.array(self.to_layers, dtype=np.float64)
@@ -219,7 +233,14 @@ class ViewFactors:
         if errors.shape not in ((1,), (), factors.shape):
             raise ValueError(f"view factor errors have the shape {errors.shape}; expected {factors.shape}")
         errors = np.broadcast_to(errors, factors.shape).copy()
-        for name, values in (("to_layers", factors), ("errors", errors)):
+        covariance = np.diag(errors**2)
+        if self.covariance is not None:
+            covariance = _covariance(self.covariance, factors.size)
+            if not errors.any():
+                errors = np.sqrt(np.diag(covariance))
+            elif not np.allclose(errors**2, np.diag(covariance), rtol=1e-6, atol=0.0):
+                raise ValueError("view factor errors differ from the diagonal of their covariance; give one of them")
+        for name, values in (("to_layers", factors), ("errors", errors), ("covariance", covariance)):
             values.setflags(write=False)
             object.__setattr__(self, name, values)
 
@@ -243,83 +264,3 @@ class ViewFactors:
         inputs = system.diameter_ratio, system.velocity, system.particle_diameter
         found = [flow_correlations.estimate(name, *inputs, warn=False) for name in names]
         return cls(*(np.array([float(pair[k]) for pair in found]) for k in (0, 1)))
-
-
-@dataclass(frozen=True, eq=False)
-class Bulk:
-    """Conductivity of the bulk with and without radiation at given temperatures.
-
-    Parameters
-    ----------
-    with_radiation, without_radiation : float or (n,) array
-        k_b. [W/(m K)]
-    model : str
-        Where the values come from.
-    """
-
-    with_radiation: FloatArray
-    without_radiation: FloatArray
-    model: str = "given"
-
-
-def bulk_conductivity(system: System, temperature: ArrayLike, model: BulkModel = "auto") -> Bulk:
-    """Bulk conductivity of a system with and without radiation.
-
-    "zbs" is the model of Zehner, Bauer and Schluender with and without its radiation term. "table 5.2" are
-    the fits of Watkins (2018), which hold radiation; without radiation, the radiative part of the former
-    model is subtracted. It is the difference that is subtracted, not the ratio applied: the difference hardly
-    depends on the conductivity of the solid, the ratio does.
-
-    Parameters
-    ----------
-    system : System
-        Tube and particles.
-    temperature : float or (n,) array
-        Temperature. [K]
-    model : {"auto", "table 5.2", "zbs"}
-        "auto" takes Table 5.2 where it has the particles, zirconia-silica of that diameter in a bed of its porosity,
-        else the model.
-
-    Returns
-    -------
-    Bulk
-        Values at the temperatures, and the model used.
-
-    Raises
-    ------
-    ValueError
-        If the model is unknown, Table 5.2 lacks the particles, or the subtraction leaves nothing.
-
-    Warns
-    -----
-    RangeWarning
-        If Table 5.2 is used outside its temperatures.
-    """
-    if model not in ("auto", "table 5.2", "zbs"):
-        raise ValueError(f"bulk model is {model!r}; expected 'auto', 'table 5.2' or 'zbs'")
-    T = positive("temperature", temperature, "K")
-    gas = air_conductivity(T)
-    inputs = (gas, system.solid_conductivity, system.porosity, system.particle_diameter, T, system.emissivity)
-    with_radiation = bulk_models.zehner_bauer_schluender(*inputs)
-    without = bulk_models.zehner_bauer_schluender(*inputs, radiation=False)
-    tabulated = bulk_models.find_fit(system.particle_diameter) is not None and _is_tabulated(system)
-    if model == "zbs" or (model == "auto" and not tabulated):
-        return Bulk(with_radiation, without, "zbs")
-    if not _is_tabulated(system):
-        warnings.warn(
-            "Table 5.2 (Watkins 2018) is for zirconia-silica: the given "
-            f"solid_conductivity {system.solid_conductivity:g} W/(m K), porosity {system.porosity:g} and "
-            f"emissivity {system.emissivity:g} do not enter the bulk conductivity",
-            RangeWarning,
-            stacklevel=2,
-        )
-    fitted = bulk_models.measured(T, system.particle_diameter)
-    rest = positive("bulk conductivity without radiation", fitted - (with_radiation - without), "W/(m K)")
-    return Bulk(fitted, plain(rest), "table 5.2")
-
-
-def _is_tabulated(system: System) -> bool:
-    """Whether the particles and their bed are those of the tables."""
-    given = (system.solid_conductivity, system.porosity, system.emissivity)
-    material = ZIRCONIA_SILICA
-    return bool(np.allclose(given, (material.solid_conductivity, 1.0 - material.packing_fraction, material.emissivity)))

@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-__all__ = ["CONVERGENCE", "HISTORY", "PREDICTION", "STATISTICS", "SYSTEM", "VIEW_FACTORS", "WALL_LAYER", "Field"]
+__all__ = [
+    "BUDGET",
+    "CONVERGENCE",
+    "HISTORY",
+    "INPUT_UNITS",
+    "PREDICTION",
+    "STATISTICS",
+    "SYSTEM",
+    "VIEW_FACTORS",
+    "WALL_LAYER",
+    "Field",
+]
 
 Field = tuple[str, str]
 """Units ("1" for none) and long name of a dataset; ``<name>_error`` is understood beside it."""
@@ -96,8 +107,30 @@ PREDICTION: Mapping[str, Field] = {
     "radiative_conductivity": ("W/(m K)", "conductivity of the wall layer by radiation, k_rad"),
     "bulk_conductivity": ("W/(m K)", "bulk conductivity"),
     "bulk_conductivity_without": ("W/(m K)", "bulk conductivity without radiation"),
-    "gas_conductivity": ("W/(m K)", "conductivity of air at the wall temperature"),
+    "gas_conductivity": ("W/(m K)", "conductivity of air in the wall layer"),
+    "mean_temperature": ("K", "mean temperature of the flow; nan without a heat flux"),
+    "wall_layer_temperature": ("K", "temperature at which the wall layer's properties are taken"),
+    "bulk_temperature": ("K", "temperature at which the bulk's properties are taken"),
     "radiation_bound": ("1", "most that radiation from the wall can add to h, known before tracing"),
+}
+
+INPUT_UNITS: Mapping[str, str] = {
+    "tube_diameter": "m",
+    "particle_diameter": "m",
+    "velocity": "m/s",
+    "solid_conductivity": "W/(m K)",
+    "contacts_per_area": "1/m2",
+    "wall_temperature": "K",
+    "heat_flux": "W/m2",
+}
+"""Units of a prediction's inputs, which its budget holds in the attribute ``input_units``; "1" for all others."""
+
+BUDGET: Mapping[str, Field] = {
+    "values": ("SI", "inputs, a row each in its own unit; conductivities of gas and bulk over those of their models"),
+    "errors": ("SI", "standard errors of the inputs, a row each in its own unit"),
+    "elasticities": ("1", "change of ln h over that of ln of the input, a row each"),
+    "contributions": ("W/(m2 K)", "standard error of h from each input, a row each"),
+    "shares": ("1", "part of the variance of h from each input, a row each"),
 }
 
 SYSTEM: Mapping[str, Field] = {

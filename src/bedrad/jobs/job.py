@@ -9,10 +9,11 @@ import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from bedrad.errors import BadFileError
 from bedrad.jobs.file_section import FileSection
+from bedrad.jobs.prediction_section import PredictionSection
 from bedrad.jobs.section import (
     BelowOne,
     Count,
@@ -20,13 +21,11 @@ from bedrad.jobs.section import (
     Positive,
     PositiveInt,
     PositiveLength,
-    PositiveTemperature,
     Section,
     Seed,
-    UpToOne,
     YesNo,
 )
-from bedrad.jobs.units import Conductivity, Density, Stiffness, Velocity, shortened
+from bedrad.jobs.units import Density, Stiffness, shortened
 from bedrad.walls import Plate, Rod, Tube, Wall
 
 __all__ = ["Job", "load_job", "parse_job"]
@@ -130,45 +129,6 @@ class ConvergenceSection(Section):
             raise ValueError(
                 f"reference_rays is {self.reference_rays}; expected at least 16 times rays, {16 * self.rays}"
             )
-        return self
-
-
-class TemperatureRange(Section):
-    """Evenly spaced wall temperatures."""
-
-    lowest: PositiveTemperature
-    highest: PositiveTemperature
-    count: Count = 21
-
-    def values(self) -> list[float]:
-        """The temperatures. [K]"""
-        if self.count == 1:
-            return [self.lowest]
-        step = (self.highest - self.lowest) / (self.count - 1)
-        return [self.lowest + k * step for k in range(self.count)]
-
-
-class PredictionSection(Section):
-    """Heat transfer by the two-layer model, against the wall temperature."""
-
-    wall_temperatures: Annotated[
-        Annotated[TemperatureRange, Tag("<one>")]
-        | Annotated[tuple[PositiveTemperature, ...], Field(max_length=1000), Tag("<list>")],
-        Discriminator(lambda value: "<one>" if isinstance(value, (dict, TemperatureRange)) else "<list>"),
-    ]
-    velocity: Annotated[Velocity, Field(ge=0)]
-    particle_diameter: PositiveLength | None = None
-    nc_distance: Literal["mean", "weighted", "closing"] = "closing"
-    solid_conductivity: Annotated[Conductivity, Field(gt=0)] = 2.1
-    bulk: Literal["auto", "table 5.2", "zbs"] = "auto"
-    bulk_packing_fraction: BelowOne = 0.63
-    emissivity: UpToOne = 0.8
-    published_systems: YesNo = True
-
-    @model_validator(mode="after")
-    def _check_temperatures(self) -> PredictionSection:
-        if self.wall_temperatures == ():
-            raise ValueError("wall_temperatures is an empty list; give a temperature, such as '850 degC'")
         return self
 
 

@@ -11,15 +11,18 @@ import numpy as np
 
 from bedrad import heat
 from bedrad.jobs.fields import (
+    BUDGET,
     CONVERGENCE,
     HISTORY,
+    INPUT_UNITS,
     PREDICTION,
     STATISTICS,
     SYSTEM,
     VIEW_FACTORS,
     WALL_LAYER,
 )
-from bedrad.jobs.job import Job, PredictionSection, TemperatureRange
+from bedrad.jobs.job import Job
+from bedrad.jobs.prediction_section import PredictionSection
 from bedrad.jobs.results import Results, save_fields
 from bedrad.packings.files import read, save_packing
 from bedrad.packings.files.contents import describe_wall
@@ -28,7 +31,7 @@ from bedrad.packings.packing import Packing
 from bedrad.packings.settle import settle
 from bedrad.packings.statistics import Statistics, TrajectoryStatistics, statistics
 from bedrad.raytrace.convergence import convergence
-from bedrad.raytrace.factors import ViewFactors
+from bedrad.raytrace.factors import ViewFactors, covariance_of_mean
 from bedrad.raytrace.view_factors import view_factors
 from bedrad.walls import Tube, Window
 
@@ -167,8 +170,8 @@ def run_prediction(job: Job, results: Results, progress: Progress) -> Fill:
     """Predict heat transfer: by measurement where there is one, by correlation beside it, and the published systems."""
     section = job.prediction
     assert section is not None  # noqa: S101 - the plan has this stage only with the section
-    temperatures = section.wall_temperatures
-    T = np.array(temperatures.values() if isinstance(temperatures, TemperatureRange) else temperatures)
+    T = np.array(section.temperatures())
+    errors = section.errors.uncertainties() if section.errors else None
     system = _system(job, results, section)
     cases: dict[str, tuple[str, Any, Any, Any]] = {}
     measured, traced = _measured(job, results, section), _traced(job, results)
@@ -186,7 +189,10 @@ def run_prediction(job: Job, results: Results, progress: Progress) -> Fill:
     for number, (key, (title, what, layer, factors)) in enumerate(cases.items()):
         progress(number / len(cases), title)
         model = section.bulk if what is system else "auto"
-        prediction = heat.prediction.predict(what, T, layer, factors, model)
+        prediction = heat.prediction.predict(
+            what, T, layer, factors, model, section.correlation if what is system else "watkins",
+            property_temperature=section.properties, heat_flux=section.heat_flux, uncertainties=errors,
+        )  # fmt: skip
         reach = len(prediction.view_factors.to_layers)
         with warnings.catch_warnings():
             # the same inputs once more: the warnings about them have been given
@@ -199,7 +205,12 @@ def run_prediction(job: Job, results: Results, progress: Progress) -> Fill:
             case = group.create_group(key)
             case.attrs["title"] = title
             case.attrs["bulk_model"] = prediction.bulk_model
+            case.attrs["property_temperature"] = prediction.property_temperature
             save_fields(case, prediction, PREDICTION)
+            budget = case.create_group("budget")
+            budget.attrs["inputs"] = list(prediction.budget.names)
+            budget.attrs["input_units"] = [INPUT_UNITS.get(name, "1") for name in prediction.budget.names]
+            save_fields(budget, prediction.budget, BUDGET)
             save_fields(case, {"radiation_bound": bound}, {"radiation_bound": PREDICTION["radiation_bound"]})
             save_fields(case, prediction.system, SYSTEM)
             save_fields(case, prediction.wall_layer, WALL_LAYER)
@@ -225,7 +236,12 @@ RUNNERS: Mapping[str, Runner] = {
 
 ORDER = tuple(RUNNERS)
 
-REVISIONS: Mapping[str, int] = dict.fromkeys(RUNNERS, 1) | {"statistics": 2, "view_factors": 2, "convergence": 2}
+REVISIONS: Mapping[str, int] = dict.fromkeys(RUNNERS, 1) | {
+    "statistics": 2,
+    "view_factors": 2,
+    "convergence": 2,
+    "prediction": 2,
+}
 """Raised where a correction changes what a stage gives, so that earlier results of it are not kept."""
 
 
@@ -307,5 +323,10 @@ def _traced(job: Job, results: Results) -> Any:
             "conductivity; give [layers] a larger count",
             stacklevel=2,
         )
-    bed = [_known(error, f"the bed's scatter of F_w{k + 1}") for k, error in enumerate(found["layers_bed_error"])]
-    return heat.prediction.ViewFactors(layers, np.hypot(found["layers_error"], bed))
+    for k, error in enumerate(found["layers_bed_error"]):
+        _known(error, f"the bed's scatter of F_w{k + 1}")
+    n = len(layers)
+    covariance = found["covariance"][:n, :n]
+    if np.isfinite(found["layers_bed_error"]).all():
+        covariance = covariance + covariance_of_mean(found["block_shares"])[:n, :n]
+    return heat.prediction.ViewFactors(layers, covariance=covariance)

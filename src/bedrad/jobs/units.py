@@ -10,7 +10,19 @@ from typing import Annotated, Any
 import pint
 from pydantic import BeforeValidator
 
-__all__ = ["Conductivity", "Density", "Length", "Stiffness", "Temperature", "Velocity", "quantity", "shortened"]
+__all__ = [
+    "Conductivity",
+    "Density",
+    "HeatFlux",
+    "Length",
+    "Stiffness",
+    "Temperature",
+    "TemperatureDifference",
+    "Velocity",
+    "quantity",
+    "shortened",
+    "temperature_difference",
+]
 
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-zµμ°][A-Za-z0-9µμ°/^*() -]*)")
 _POWER = re.compile(r"(?<=[A-Za-z)])(?:\^|\*\*)-?[1-9](?![0-9])")
@@ -26,6 +38,7 @@ _EXAMPLES = {
     "N/m": "100 N/m",
     "W/(m K)": "2.1 W/(m K)",
     "1/m^2": "1.9 mm^-2",
+    "W/m^2": "50 kW/m^2",
 }
 
 
@@ -72,6 +85,14 @@ def quantity(text: object, unit: str) -> float:
     return value
 
 
+def temperature_difference(text: object) -> float:
+    """Difference of temperatures [K] from a text such as ``"5 K"``; ValueError for a temperature, in degC or degF."""
+    value = quantity(text, "K")
+    if quantity(f"0 {_QUANTITY.fullmatch(str(text))[2]}", "K") != 0.0:  # type: ignore[index]
+        raise ValueError(f"{shortened(text)} is a temperature; expected a difference of temperatures, such as '5 K'")
+    return value
+
+
 def shortened(value: object) -> str:
     """Value as Python writes it, cut off where it is too long for a message."""
     written = repr(value)
@@ -88,3 +109,5 @@ Temperature = Annotated[float, _reader("K")]
 Density = Annotated[float, _reader("kg/m^3")]
 Stiffness = Annotated[float, _reader("N/m")]
 Conductivity = Annotated[float, _reader("W/(m K)")]
+HeatFlux = Annotated[float, _reader("W/m^2")]
+TemperatureDifference = Annotated[float, BeforeValidator(temperature_difference, json_schema_input_type=str)]

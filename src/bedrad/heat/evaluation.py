@@ -1,0 +1,280 @@
+"""All models of a prediction put together, as one function of every input that may be uncertain."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bedrad.heat import correlations, cylinder, flow_correlations, wall_layer
+from bedrad.heat.bulk import BulkFit
+from bedrad.heat.bulk_choice import Bulk, with_and_without_radiation
+from bedrad.heat.radiation import STEFAN_BOLTZMANN
+from bedrad.heat.ranges import FloatArray, quiet
+from bedrad.heat.systems import Correlation, System, ViewFactors, WallLayer
+from bedrad.heat.two_layer import nusselt_developed
+
+__all__ = ["Evaluation", "PropertyTemperature", "check_property_temperature"]
+
+PropertyTemperature = Literal["wall", "mean", "layers"]
+"""Temperature at which the properties are taken, see `bedrad.heat.prediction.predict`."""
+
+Inputs = Mapping[str, FloatArray]
+
+_POSITIVE = ("particle_diameter", "solid_conductivity", "gas_conductivity", "bulk_conductivity", "wall_temperature")
+
+_ITERATIONS = 500
+_CLOSE = 1e-12
+
+
+def check_property_temperature(choice: str, *, has_flux: bool) -> None:
+    """Refuse an unknown choice, and one that needs a heat flux without one."""
+    if choice not in get_args(PropertyTemperature):
+        raise ValueError(f"property_temperature is {choice!r}; expected 'wall', 'mean' or 'layers'")
+    if choice != "wall" and not has_flux:
+        raise ValueError(
+            f"property_temperature {choice!r} needs a heat_flux: it parts the mean from the wall temperature"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Temperatures:
+    """At which temperatures the properties are taken. [K]"""
+
+    wall_layer: FloatArray
+    bulk: FloatArray
+    step: FloatArray | None
+    """Fall of the temperature across the wall layer; None where radiation is linearised about the wall."""
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """What does not vary in a prediction, and the function of what may.
+
+    Parameters
+    ----------
+    system : System
+        Tube and particles.
+    layer : WallLayer
+        The wall layer at these values.
+    layer_correlation, factor_correlation : {"watkins", "bedrad"} or None
+        By which correlation the layer and the view factors follow diameters and velocity; None where they are
+        measured and do not.
+    factors : ViewFactors
+        The view factors at these values.
+    bulk : Bulk, BulkFit or None
+        Given conductivities, a fit, or None for the model of Zehner, Bauer and Schluender.
+    gas_conductivity : callable
+        Conductivity [W/(m K)] of the gas at temperatures [K].
+    property_temperature : {"wall", "mean", "layers"}
+        At which temperature the properties are taken.
+    wall_temperature : (n,) array
+        [K]
+    heat_flux : (n,) array or None
+        Heat flux from the wall, positive into the flow. [W/m2]
+    """
+
+    system: System
+    layer: WallLayer
+    layer_correlation: Correlation | None
+    factors: ViewFactors
+    factor_correlation: Correlation | None
+    bulk: Bulk | BulkFit | None
+    gas_conductivity: Callable[[FloatArray], FloatArray]
+    property_temperature: PropertyTemperature
+    wall_temperature: FloatArray
+    heat_flux: FloatArray | None
+
+    def inputs(self) -> dict[str, FloatArray]:
+        """Every input by name, as it stands; gas and bulk conductivity as factors, 1."""
+        names = ("tube_diameter", "particle_diameter", "velocity", "solid_conductivity", "porosity", "emissivity")
+        values = {name: getattr(self.system, name) for name in names}
+        values |= {"packing_fraction": self.layer.packing_fraction, "contacts_per_area": self.layer.contacts_per_area}
+        if self.layer.form != "simplified":
+            values["nc_distance"] = self.layer.nc_distance
+        values |= {f"view_factor_{k}": F for k, F in enumerate(self.factors.to_layers, start=1)}
+        values |= {"gas_conductivity": 1.0, "bulk_conductivity": 1.0, "wall_temperature": self.wall_temperature}
+        if self.heat_flux is not None:
+            values["heat_flux"] = self.heat_flux
+        return {name: np.asarray(value, dtype=np.float64) for name, value in values.items()}
+
+    def possible(self, x: Inputs) -> NDArray[np.bool_]:
+        """Whether inputs have a meaning: what must be positive is, and the contacts fit into the wall layer."""
+        full = self._with_correlations(x)
+        good = np.asarray(True)
+        for name in _POSITIVE:
+            good = good & (full[name] > 0.0)
+        A, phi = full["tube_diameter"] / full["particle_diameter"], full["packing_fraction"]
+        distance = full.get("nc_distance", np.asarray(wall_layer.NC_DISTANCE))
+        least = cylinder.SMALLEST_DIAMETER_RATIO if self.layer.form == "cylinder" else 1.0
+        good = good & (least < A) & (phi > 0.0) & (phi <= 1.0) & (full["contacts_per_area"] >= 0.0)
+        good = good & (distance >= 0.0) & (distance < 1.0) & (full["velocity"] >= 0.0)
+        good = good & (full["porosity"] > 0.0) & (full["porosity"] < 1.0)
+        good = good & (full["emissivity"] > 0.0) & (full["emissivity"] <= 1.0)
+        size = np.asarray(2.0 * math.pi / 3.0)
+        if self.layer.form == "cylinder":
+            size = cylinder.particle_volume(np.maximum(A, least))
+        contacts = size * full["contacts_per_area"] * (0.5 * full["particle_diameter"]) ** 2
+        return np.asarray(good & (contacts <= phi * (1.0 - 0.5 / np.maximum(A, 1.0))))
+
+    def _with_correlations(self, x: Inputs) -> dict[str, FloatArray]:
+        """Move wall layer and view factors as their correlations move with diameters and velocity."""
+        full = dict(x)
+        # a draw below zero is refused by `possible`; until then the correlations shall see something
+        diameter = np.maximum(x["particle_diameter"], 1e-12)
+        new = (np.maximum(x["tube_diameter"] / diameter, 1.0 + 1e-9), np.maximum(x["velocity"], 0.0), diameter)
+        system = self.system
+        old = tuple(np.asarray(v) for v in (system.diameter_ratio, system.velocity, system.particle_diameter))
+        if self.layer_correlation is not None:
+            for name, function in _LAYER[self.layer_correlation].items():
+                if name in x:
+                    full[name] = x[name] + function(*new) - function(*old)
+        if self.factor_correlation == "bedrad":
+            for k in range(1, len(self.factors.to_layers) + 1):
+                name = f"view_factor_{k}"
+                full[name] = x[name] + _fitted(name, *new) - _fitted(name, *old)
+        return full
+
+    def evaluate(self, x: Inputs) -> dict[str, FloatArray]:
+        """Evaluate all models: conductivities, Nusselt numbers and coefficients, with radiation and without.
+
+        Raises
+        ------
+        ValueError
+            If an input has no meaning, or the heat flux needs a flow below absolute zero.
+
+        Warns
+        -----
+        RangeWarning
+            Outside the range of a model.
+        """
+        full = self._with_correlations(x)
+        # the search passes through temperatures that are not the answer
+        with quiet():
+            temperatures = self._temperatures(full)
+        return self._at(full, temperatures)
+
+    def _temperatures(self, x: Inputs) -> _Temperatures:
+        """Find the temperatures that the properties are taken at, from the heat flux where they need it."""
+        wall = x["wall_temperature"]
+        now = _Temperatures(wall, wall, None)
+        if self.property_temperature == "wall":
+            return now
+        radius = 0.5 * x["particle_diameter"]
+        share = 1.0 - 0.5 * x["particle_diameter"] / x["tube_diameter"]
+        for _ in range(_ITERATIONS):
+            found = self._at(x, now)
+            mean = wall - x["heat_flux"] / found["heat_transfer_coefficient"]
+            if self.property_temperature == "mean":
+                new = _Temperatures(mean, mean, None)
+            else:
+                # the flux falls linearly with the radius in a developed plug flow: half the fall across the wall layer
+                # is its mean, and two thirds of the bulk's fall from its edge to its mean are where a property that
+                # varies linearly has to be taken for the same mean temperature
+                total = found["wall_layer_conductivity"] + found["radiative_conductivity"]
+                step = x["heat_flux"] * radius * share / total
+                bulk_share = (1.0 - x["particle_diameter"] / x["tube_diameter"]) ** 2
+                bulk_mean = (mean - (1.0 - bulk_share) * (wall - 0.5 * step)) / bulk_share
+                edge = wall - step
+                new = _Temperatures(wall - 0.5 * step, edge - 2.0 / 3.0 * (edge - bulk_mean), step)
+            lowest = np.minimum(np.minimum(new.wall_layer, new.bulk), wall - self._deepest(new))
+            if not np.all(lowest > 0.0):
+                break
+            change = np.maximum(np.abs(new.bulk - now.bulk), np.abs(new.wall_layer - now.wall_layer))
+            now = new
+            if np.all(change <= _CLOSE * wall):
+                return now
+        raise ValueError(
+            f"heat_flux is {float(np.max(np.abs(x['heat_flux']))):g} W/m2; expected less: no flow above absolute zero "
+            f"takes it from a wall of {float(np.min(wall)):.2f} K"
+        )
+
+    def _deepest(self, temperatures: _Temperatures) -> FloatArray:
+        """How far the temperature has fallen at the last layer that radiation reaches."""
+        if temperatures.step is None:
+            return np.zeros(1)
+        return np.asarray(temperatures.step * len(self.factors.to_layers))
+
+    def _at(self, x: Inputs, temperatures: _Temperatures) -> dict[str, FloatArray]:
+        A = x["tube_diameter"] / x["particle_diameter"]
+        k_wa = wall_layer.conductivity(
+            x["gas_conductivity"] * self.gas_conductivity(temperatures.wall_layer),
+            x["solid_conductivity"],
+            A,
+            x["particle_diameter"],
+            x["contacts_per_area"],
+            x["packing_fraction"],
+            x.get("nc_distance", wall_layer.NC_DISTANCE),
+            self.layer.form,
+        )
+        k_rad = self._radiative(x, temperatures)
+        k_b, k_b_without = self._bulk(x, temperatures.bulk)
+        nusselt = nusselt_developed(A, k_b / (k_wa + k_rad))
+        nusselt_without = nusselt_developed(A, k_b_without / k_wa)
+        h, h_without = nusselt * k_b / x["tube_diameter"], nusselt_without * k_b_without / x["tube_diameter"]
+        wall = x["wall_temperature"]
+        found = {
+            "wall_layer_conductivity": k_wa,
+            "radiative_conductivity": k_rad,
+            "bulk_conductivity": k_b,
+            "bulk_conductivity_without": k_b_without,
+            "nusselt": nusselt,
+            "nusselt_without": nusselt_without,
+            "heat_transfer_coefficient": h,
+            "heat_transfer_coefficient_without": h_without,
+            "wall_layer_temperature": temperatures.wall_layer,
+            "bulk_temperature": temperatures.bulk,
+            "mean_temperature": wall - x["heat_flux"] / h if "heat_flux" in x else np.full(np.shape(wall), np.nan),
+        }
+        return dict(zip(found, np.broadcast_arrays(*found.values()), strict=True))
+
+    def _radiative(self, x: Inputs, temperatures: _Temperatures) -> FloatArray:
+        """Radiative conductivity: eq. 50, or from eq. 48 with the same equal steps but every fourth power."""
+        factors = [x[f"view_factor_{k}"] for k in range(1, len(self.factors.to_layers) + 1)]
+        wall = x["wall_temperature"] if self.property_temperature != "mean" else temperatures.wall_layer
+        cubes = np.zeros(1)
+        for k, F in enumerate(factors, start=1):
+            T = wall if temperatures.step is None else wall - k * temperatures.step
+            cubes = cubes + k * F * (wall + T) * (wall * wall + T * T)
+        return np.asarray(0.5 * x["particle_diameter"] * STEFAN_BOLTZMANN * cubes)
+
+    def _bulk(self, x: Inputs, temperature: FloatArray) -> tuple[FloatArray, FloatArray]:
+        if isinstance(self.bulk, Bulk):
+            found = np.asarray(self.bulk.with_radiation), np.asarray(self.bulk.without_radiation)
+        else:
+            found = with_and_without_radiation(
+                self.bulk,
+                x["gas_conductivity"] * self.gas_conductivity(temperature),
+                x["solid_conductivity"],
+                x["porosity"],
+                x["particle_diameter"],
+                temperature,
+                x["emissivity"],
+            )
+        return x["bulk_conductivity"] * found[0], x["bulk_conductivity"] * found[1]
+
+
+def _fitted(name: str, A: FloatArray, velocity: FloatArray, diameter: FloatArray) -> FloatArray:
+    """A quantity by bedrad's correlation."""
+    return flow_correlations.estimate(name, A, velocity, diameter, warn=False)[0]  # type: ignore[arg-type]
+
+
+def _contacts(ratio: FloatArray, A: FloatArray, diameter: FloatArray) -> FloatArray:
+    return np.asarray(ratio * correlations.maximum_contacts(A, diameter))
+
+
+_LAYER: Mapping[str, Mapping[str, Callable[..., FloatArray]]] = {
+    "watkins": {
+        "packing_fraction": lambda A, U, d: correlations.packing_fraction(A, U, d, warn=False),
+        "contacts_per_area": lambda A, U, d: _contacts(correlations.contact_ratio(A, U, d, warn=False), A, d),
+    },
+    "bedrad": {
+        "packing_fraction": lambda A, U, d: _fitted("packing_fraction", A, U, d),
+        "contacts_per_area": lambda A, U, d: _contacts(_fitted("contact_ratio", A, U, d), A, d),
+        "nc_distance": lambda A, U, d: _fitted("nc_distance", A, U, d),
+    },
+}
