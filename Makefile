@@ -45,7 +45,7 @@ study-grey: $(READY)  ## grey walls and particles: exchange factors of settled a
 	$(BIN)/python benchmarks/grey_radiation.py
 
 heat-effort: $(READY)  ## error against run time of series, quadratures and draws; a minute
-	$(BIN)/python benchmarks/heat_effort.py --csv docs/heat_effort.csv --figure docs/images/heat_effort.png
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/heat_effort.py --csv docs/heat_effort.csv --figure docs/images/heat_effort.png
 
 clean:  ## remove the environment and the results
 	rm -rf $(VENV) results
