@@ -93,7 +93,27 @@ _TABLES = {"2.4": TABLE_2_4, "5.2": TABLE_5_2}
 
 
 def find_fit(particle_diameter: float, material: str = "zirconia-silica", table: str = "5.2") -> BulkFit | None:
-    """Find the fit for a particle diameter [m] (to 1 %) and material; None where the table has none."""
+    """Find the fit of Watkins (2018), Table 2.4 or 5.2, for a particle diameter and material.
+
+    Parameters
+    ----------
+    particle_diameter : float
+        Particle diameter, met to 1 %. [m]
+    material : str
+        Particle material.
+    table : {"5.2", "2.4"}
+        Which table.
+
+    Returns
+    -------
+    BulkFit or None
+        The fit; None where the table has none for these particles.
+
+    Raises
+    ------
+    ValueError
+        If there is no such table.
+    """
     if table not in _TABLES:
         raise ValueError(f"table is {table!r}; expected '2.4' or '5.2'")
     for fit in _TABLES[table]:

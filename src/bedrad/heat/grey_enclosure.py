@@ -145,6 +145,8 @@ def _emissive_powers(temperatures: ArrayLike, zones: int) -> FloatArray:
 def radiosities(exchange_matrix: ArrayLike, emissivities: ArrayLike, temperatures: ArrayLike) -> FloatArray:
     """What leaves each zone per area, emitted and reflected: `J = eps E + (1 - eps) F J`, `E = sigma T^4`.
 
+    The net-radiation method for grey, diffuse zones of uniform radiosity (Hottel and Sarofim 1967).
+
     Parameters
     ----------
     exchange_matrix, emissivities

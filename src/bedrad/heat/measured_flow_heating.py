@@ -18,9 +18,7 @@ def _positions(position: ArrayLike) -> FloatArray:
         raise ValueError(f"position has the shape {z.shape}; expected one axis of positions along the tube")
     if np.any(np.diff(z) <= 0.0):
         i = int(np.argmax(np.diff(z) <= 0.0))
-        raise ValueError(
-            f"position is {z[i + 1]:g} m after {z[i]:g} m; expected increasing positions"
-        )
+        raise ValueError(f"position is {z[i + 1]:g} m after {z[i]:g} m; expected increasing positions")
     return z
 
 

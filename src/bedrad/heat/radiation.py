@@ -48,7 +48,7 @@ def _factors(factors: ArrayLike) -> FloatArray:
 
 
 def fourth_power_difference(temperature: ArrayLike, fall: ArrayLike) -> FloatArray:
-    """Give `T^4 - (T - fall)^4`, factored so that a small fall keeps its digits. [K4]
+    """Give `T^4 - (T - fall)^4`, the bracket of Watkins (2018), eq. 48, factored so that a small fall keeps its digits.
 
     Parameters
     ----------
@@ -56,6 +56,11 @@ def fourth_power_difference(temperature: ArrayLike, fall: ArrayLike) -> FloatArr
         T. [K]
     fall : float or array
         How much colder the other surface is. [K]
+
+    Returns
+    -------
+    float or array
+        Difference of the fourth powers, whatever the signs. [K4]
     """
     T = np.asarray(temperature, dtype=np.float64)
     down = np.asarray(fall, dtype=np.float64)

@@ -77,7 +77,16 @@ def layer_conductivity(
 ) -> FloatArray:
     """Conductivity of a layer half a particle deep that resists as a heat transfer coefficient does.
 
-    The inverse of `layer_coefficient`, with the same parameters.
+    The inverse of `layer_coefficient`.
+
+    Parameters
+    ----------
+    coefficient : float or array
+        Heat transfer coefficient between the wall and the plane half a particle away. [W/(m2 K)]
+    particle_diameter : float or array
+        Particle diameter. [m]
+    diameter_ratio : float or array
+        Tube inner diameter over particle diameter; infinite for a flat wall.
 
     Returns
     -------
