@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bedrad.heat.evaluation import Evaluation
+from bedrad.heat.particle_wall_layer import ParticleWallLayer
 from bedrad.heat.ranges import FloatArray, quiet
 from bedrad.heat.uncertainties import Uncertainties, derivatives, draw
 
@@ -24,6 +25,7 @@ LABELS: Mapping[str, tuple[str, str, float]] = {
     "emissivity": ("emissivity in the bulk", "", 1.0),
     "packing_fraction": ("packing fraction of the wall layer", "", 1.0),
     "contacts_per_area": ("wall contacts", "1/mm2", 1e-6),
+    "wall_layer_conductivity": ("wall-layer conductivity", "x", 1.0),
     "nc_distance": ("distance of no-contact particles", "radii", 1.0),
     "view_factors": ("view factors, penetration", "layers", 1.0),
     "gas_conductivity": ("conductivity of the gas", "x", 1.0),
@@ -147,10 +149,13 @@ class MonteCarlo:
 def standard_errors(evaluation: Evaluation, given: Uncertainties) -> dict[str, FloatArray]:
     """Standard errors of the inputs by name; under "view_factors" a square root of their covariance."""
     layer = evaluation.layer
-    own = {
-        name: float(getattr(layer, f"{name}_error"))
-        for name in ("packing_fraction", "contacts_per_area", "nc_distance")
-    }
+    own: dict[str, FloatArray] = {}
+    if isinstance(layer, ParticleWallLayer):
+        gas = evaluation.gas_conductivity(evaluation.wall_temperature)
+        own["wall_layer_conductivity"] = layer.error(evaluation.system.solid_conductivity, gas)
+    else:
+        for name in ("packing_fraction", "contacts_per_area", "nc_distance"):
+            own[name] = np.asarray(getattr(layer, f"{name}_error"), dtype=np.float64)
     errors = {}
     for name, value in evaluation.inputs().items():
         if name.startswith("view_factor_"):

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from bedrad.heat import correlations, cylinder, flow_correlations, wall_layer
 from bedrad.heat.bulk import BulkFit
 from bedrad.heat.bulk_choice import Bulk, with_and_without_radiation
+from bedrad.heat.particle_wall_layer import ParticleWallLayer
 from bedrad.heat.radiation import STEFAN_BOLTZMANN
 from bedrad.heat.ranges import FloatArray, quiet
 from bedrad.heat.systems import Correlation, System, ViewFactors, WallLayer
@@ -59,7 +60,7 @@ class Evaluation:
     ----------
     system : System
         Tube and particles.
-    layer : WallLayer
+    layer : WallLayer or ParticleWallLayer
         The wall layer at these values.
     layer_correlation, factor_correlation : {"watkins", "bedrad"} or None
         By which correlation the layer and the view factors follow diameters and velocity; None where they are
@@ -79,7 +80,7 @@ class Evaluation:
     """
 
     system: System
-    layer: WallLayer
+    layer: WallLayer | ParticleWallLayer
     layer_correlation: Correlation | None
     factors: ViewFactors
     factor_correlation: Correlation | None
@@ -90,12 +91,15 @@ class Evaluation:
     heat_flux: FloatArray | None
 
     def inputs(self) -> dict[str, FloatArray]:
-        """Every input by name, as it stands; gas and bulk conductivity as factors, 1."""
+        """Every input by name, as it stands; conductivities of gas, bulk and a layer of particles as factors, 1."""
         names = ("tube_diameter", "particle_diameter", "velocity", "solid_conductivity", "porosity", "emissivity")
         values = {name: getattr(self.system, name) for name in names}
-        values |= {"packing_fraction": self.layer.packing_fraction, "contacts_per_area": self.layer.contacts_per_area}
-        if self.layer.form != "simplified":
-            values["nc_distance"] = self.layer.nc_distance
+        if isinstance(self.layer, ParticleWallLayer):
+            values["wall_layer_conductivity"] = 1.0
+        else:
+            values |= {name: getattr(self.layer, name) for name in ("packing_fraction", "contacts_per_area")}
+            if self.layer.form != "simplified":
+                values["nc_distance"] = self.layer.nc_distance
         values |= {f"view_factor_{k}": F for k, F in enumerate(self.factors.to_layers, start=1)}
         values |= {"gas_conductivity": 1.0, "bulk_conductivity": 1.0, "wall_temperature": self.wall_temperature}
         if self.heat_flux is not None:
@@ -108,13 +112,16 @@ class Evaluation:
         good = np.asarray(True)
         for name in _POSITIVE:
             good = good & (full[name] > 0.0)
-        A, phi = full["tube_diameter"] / full["particle_diameter"], full["packing_fraction"]
+        good = good & (full["velocity"] >= 0.0) & (full["porosity"] > 0.0) & (full["porosity"] < 1.0)
+        good = good & (full["emissivity"] > 0.0) & (full["emissivity"] <= 1.0)
+        A = full["tube_diameter"] / full["particle_diameter"]
+        if isinstance(self.layer, ParticleWallLayer):
+            return np.asarray(good & (A > 1.0) & (full["wall_layer_conductivity"] > 0.0))
+        phi = full["packing_fraction"]
         distance = full.get("nc_distance", np.asarray(wall_layer.NC_DISTANCE))
         least = cylinder.SMALLEST_DIAMETER_RATIO if self.layer.form == "cylinder" else 1.0
         good = good & (least < A) & (phi > 0.0) & (phi <= 1.0) & (full["contacts_per_area"] >= 0.0)
-        good = good & (distance >= 0.0) & (distance < 1.0) & (full["velocity"] >= 0.0)
-        good = good & (full["porosity"] > 0.0) & (full["porosity"] < 1.0)
-        good = good & (full["emissivity"] > 0.0) & (full["emissivity"] <= 1.0)
+        good = good & (distance >= 0.0) & (distance < 1.0)
         size = np.asarray(2.0 * math.pi / 3.0)
         if self.layer.form == "cylinder":
             size = cylinder.particle_volume(np.maximum(A, least))
@@ -201,16 +208,7 @@ class Evaluation:
 
     def _at(self, x: Inputs, temperatures: _Temperatures) -> dict[str, FloatArray]:
         A = x["tube_diameter"] / x["particle_diameter"]
-        k_wa = wall_layer.conductivity(
-            x["gas_conductivity"] * self.gas_conductivity(temperatures.wall_layer),
-            x["solid_conductivity"],
-            A,
-            x["particle_diameter"],
-            x["contacts_per_area"],
-            x["packing_fraction"],
-            x.get("nc_distance", wall_layer.NC_DISTANCE),
-            self.layer.form,
-        )
+        k_wa = self._conductive(x, x["gas_conductivity"] * self.gas_conductivity(temperatures.wall_layer))
         k_rad = self._radiative(x, temperatures)
         k_b, k_b_without = self._bulk(x, temperatures.bulk)
         nusselt = nusselt_developed(A, k_b / (k_wa + k_rad))
@@ -231,6 +229,20 @@ class Evaluation:
             "mean_temperature": wall - x["heat_flux"] / h if "heat_flux" in x else np.full(np.shape(wall), np.nan),
         }
         return dict(zip(found, np.broadcast_arrays(*found.values()), strict=True))
+
+    def _conductive(self, x: Inputs, gas: FloatArray) -> FloatArray:
+        if isinstance(self.layer, ParticleWallLayer):
+            return np.asarray(x["wall_layer_conductivity"] * self.layer.conductivity(x["solid_conductivity"], gas))
+        return wall_layer.conductivity(
+            gas,
+            x["solid_conductivity"],
+            x["tube_diameter"] / x["particle_diameter"],
+            x["particle_diameter"],
+            x["contacts_per_area"],
+            x["packing_fraction"],
+            x.get("nc_distance", wall_layer.NC_DISTANCE),
+            self.layer.form,
+        )
 
     def _radiative(self, x: Inputs, temperatures: _Temperatures) -> FloatArray:
         """Radiative conductivity: eq. 50, or from eq. 48 with the same equal steps but every fourth power."""

@@ -13,6 +13,7 @@ from bedrad.heat.budget import Budget, MonteCarlo, monte_carlo, propagate, stand
 from bedrad.heat.bulk_choice import Bulk, BulkModel, bulk_conductivity, fit_for
 from bedrad.heat.evaluation import Evaluation, PropertyTemperature, check_property_temperature
 from bedrad.heat.gas import air_conductivity
+from bedrad.heat.particle_wall_layer import ParticleWallLayer
 from bedrad.heat.ranges import FloatArray, plain, positive
 from bedrad.heat.systems import TABLE_5_1, Correlation, System, ViewFactors, WallLayer
 from bedrad.heat.uncertainties import Uncertainties
@@ -24,6 +25,7 @@ __all__ = [
     "BulkModel",
     "Correlation",
     "MonteCarlo",
+    "ParticleWallLayer",
     "Prediction",
     "PropertyTemperature",
     "System",
@@ -54,7 +56,7 @@ class Prediction:
     ----------
     system : System
         Tube and particles.
-    wall_layer : WallLayer
+    wall_layer : WallLayer or ParticleWallLayer
         What was taken for the wall layer.
     view_factors : ViewFactors
         What was taken for the view factors.
@@ -90,7 +92,7 @@ class Prediction:
     """
 
     system: System
-    wall_layer: WallLayer
+    wall_layer: WallLayer | ParticleWallLayer
     view_factors: ViewFactors
     bulk_model: str
     wall_temperature: FloatArray
@@ -166,7 +168,7 @@ def _matched(bulk: Bulk, temperature: FloatArray) -> Bulk:
 def predict(
     system: System,
     wall_temperature: ArrayLike,
-    wall_layer: WallLayer | None = None,
+    wall_layer: WallLayer | ParticleWallLayer | None = None,
     view_factors: ViewFactors | None = None,
     bulk: Bulk | BulkModel = "auto",
     correlation: Correlation = "watkins",
@@ -197,8 +199,8 @@ def predict(
         Tube and particles.
     wall_temperature : float or (n,) array
         Wall temperatures. [K]
-    wall_layer : WallLayer, optional
-        What fills the wall layer; by correlation if left out.
+    wall_layer : WallLayer or ParticleWallLayer, optional
+        What fills the wall layer, by its means or particle by particle; by correlation if left out.
     view_factors : ViewFactors, optional
         View factors from the wall; the published ones (Table 5.3), or by bedrad's correlation, if left out.
     bulk : Bulk or {"auto", "table 5.2", "zbs"}
@@ -238,6 +240,8 @@ def predict(
     T = positive("wall_temperature", wall_temperature, "K")
     if T.ndim > 1:
         raise ValueError(f"wall_temperature has the shape {T.shape}; expected one number or a row of them")
+    if isinstance(wall_layer, ParticleWallLayer):
+        wall_layer.check(system)
     check_property_temperature(property_temperature, has_flux=heat_flux is not None)
     evaluation = Evaluation(
         system=system,
