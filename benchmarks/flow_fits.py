@@ -39,7 +39,7 @@ _HEAD = '''"""Coefficients of correlations for flows: written by benchmarks/flow
 
 from __future__ import annotations
 
-__all__ = ["DIAMETER_RATIOS", "FITS", "POINTS", "TERMS", "VELOCITIES"]
+__all__ = ["DIAMETER_RATIOS", "FITS", "POINTS", "TERMS", "VELOCITIES", "VIEW_FACTOR_CORRELATIONS"]
 
 '''
 
@@ -52,6 +52,7 @@ class Fit:
     covariance: FloatArray
     scatter: float
     missed: float
+    residuals: FloatArray
     unseen: float
 
 
@@ -65,7 +66,8 @@ def fit(design: FloatArray, values: FloatArray, errors: FloatArray, groups: Floa
         if np.linalg.matrix_rank(design[seen]) == design.shape[1] < seen.sum():
             without, _, _ = least_squares(design[seen], values[seen], errors[seen])
             unseen.append(values[~seen] - design[~seen] @ without)
-    return Fit(coefficients, covariance, scatter, _rms(missed), _rms(np.concatenate(unseen)) if unseen else np.nan)
+    unseen_rms = _rms(np.concatenate(unseen)) if unseen else np.nan
+    return Fit(coefficients, covariance, scatter, _rms(missed), missed, unseen_rms)
 
 
 def _rms(values: FloatArray) -> float:
@@ -106,6 +108,11 @@ def fits(rows: list[dict[str, str]]) -> tuple[FloatArray, FloatArray, dict[str, 
     return A, U, found
 
 
+def view_factor_correlations(found: dict[str, Fit]) -> FloatArray:
+    """Correlation matrix of the residuals of the view factors to the layers."""
+    return np.corrcoef([found[f"view_factor_{k}"].residuals for k in (1, 2, 3)])
+
+
 def module_text(A: FloatArray, U: FloatArray, found: dict[str, Fit]) -> str:
     """The Python module that holds the fits."""
     lines = [
@@ -128,6 +135,11 @@ def module_text(A: FloatArray, U: FloatArray, found: dict[str, Fit]) -> str:
             "    ),",
         ]
     lines += ["}", '"""Coefficients, their covariance, and the standard deviation of a flow about the fit."""\n']
+    rows = "".join(f"    {tuple(float(f'{x:.6g}') for x in row)!r},\n" for row in view_factor_correlations(found))
+    lines += [
+        f"VIEW_FACTOR_CORRELATIONS = (\n{rows})",
+        '"""How the residuals of the three view factors go together."""\n',
+    ]
     return _HEAD + "\n".join(lines)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -23,9 +23,11 @@ from bedrad.command_options import (
 )
 
 if TYPE_CHECKING:
-    from bedrad.heat.prediction import Prediction, Uncertainties
+    from bedrad.heat.prediction import Prediction
 
 __all__ = ["predict"]
+
+_SYSTEM = ("tube_diameter", "particle_diameter", "velocity", "solid_conductivity", "porosity", "emissivity")
 
 
 def predict(
@@ -92,7 +94,8 @@ def predict(
         Heat flux from wall to flow, such as 50kW/m^2; gives the mean temperature too.
     error
         Standard error of an input, once for each: "bulk_conductivity=5%", "particle_diameter=10um",
-        "wall_temperature=5K". Percent for all but emissivity and porosity, which take numbers.
+        "wall_temperature=5K", "porosity=0.01". A percentage of the input, or a size with its unit; gas and bulk
+        conductivity, view factors and correlated wall layers are relative to their values.
     published_errors
         Take the uncertainties that the source states: 11 % (95 %) of the bulk conductivity, 5 % and 16 % at most of the
         wall layer's correlations.
@@ -105,33 +108,45 @@ def predict(
     output
         Write all numbers as a table (CSV), with the budget of uncertainty and a figure (PNG, extra view) beside it.
     """
+    from dataclasses import replace
+
+    import numpy as np
+
     from bedrad.heat import prediction
 
-    layer = None
-    if packing_fraction is not None and contacts_per_area is not None:
-        layer = prediction.WallLayer(packing_fraction, contacts_per_area, 0.22 if nc_distance is None else nc_distance)
-    elif (packing_fraction, contacts_per_area, nc_distance) != (None, None, None):
+    if not 0.0 < bulk_packing_fraction < 1.0:
+        raise ValueError(f"--bulk-packing-fraction is {bulk_packing_fraction:g}; expected a number between 0 and 1")
+    measured = packing_fraction is not None and contacts_per_area is not None
+    if not measured and (packing_fraction, contacts_per_area, nc_distance) != (None, None, None):
         raise ValueError("give --packing-fraction and --contacts-per-area together, and --nc-distance with them only")
-    if layer is not None and len(tube) * len(diameter) * len(velocity) > 1:
+    if measured and len(tube) * len(diameter) * len(velocity) > 1:
         raise ValueError("a measured wall layer belongs to one flow: give one --tube, --diameter and --velocity")
     if output is not None:
         _check_output(output)
-    systems = [
-        prediction.System(
+    layer_values = (packing_fraction, contacts_per_area, 0.22 if nc_distance is None else nc_distance)
+    found = []
+    for D, d, U in product(tube, diameter, velocity):
+        system = prediction.System(
             D, d, U, solid_conductivity=solid_conductivity, porosity=1 - bulk_packing_fraction, emissivity=emissivity
         )
-        for D, d, U in product(tube, diameter, velocity)
-    ]
-    factors = prediction.ViewFactors(view_factor) if view_factor else None  # type: ignore[arg-type]
-    found = [
-        prediction.predict(
-            system, list(temperature), layer, factors, bulk, correlation,
-            property_temperature=properties, heat_flux=heat_flux,
-            uncertainties=_uncertainties(error, system, temperature, heat_flux, published=published_errors),
-            samples=samples, seed=seed,
-        )
-        for system in systems
-    ]  # fmt: skip
+        of_layer = dict(zip(("packing_fraction", "contacts_per_area", "nc_distance"), layer_values, strict=True))
+        wholes = {name: getattr(system, name) for name in _SYSTEM} | {
+            "wall_temperature": max(temperature), "heat_flux": abs(heat_flux or 0.0),
+            "gas_conductivity": 1.0, "bulk_conductivity": 1.0, "view_factors": 1.0,
+        } | {name: value if measured else 1.0 for name, value in of_layer.items()}  # fmt: skip
+        errors = _errors(error, wholes, measured=measured, traced=bool(view_factor), flux=heat_flux is not None)
+        own = {f"{name}_error": errors.pop(name, 0.0) for name in of_layer} if measured else {}
+        layer = prediction.WallLayer(*layer_values, **own) if measured else None  # type: ignore[arg-type]
+        share = errors.pop("view_factors", 0.0)
+        factors = prediction.ViewFactors(np.array(view_factor), share * np.array(view_factor)) if view_factor else None
+        base = prediction.Uncertainties.published() if published_errors else prediction.Uncertainties()
+        found.append(
+            prediction.predict(
+                system, list(temperature), layer, factors, bulk, correlation,
+                property_temperature=properties, heat_flux=heat_flux, uncertainties=replace(base, **errors),
+                samples=samples, seed=seed,
+            )
+        )  # fmt: skip
     for one in found:
         say(str(one))
         if one.monte_carlo is not None:
@@ -142,45 +157,60 @@ def predict(
         _write(found, output)
 
 
-def _uncertainties(
-    texts: Sequence[str], system: object, temperature: Sequence[float], heat_flux: float | None, *, published: bool
-) -> Uncertainties:
-    """Standard errors from texts such as ``"particle_diameter=10um"`` or ``"bulk_conductivity=5%"``."""
-    from dataclasses import fields, replace
+_UNITS = {
+    "tube_diameter": "m",
+    "particle_diameter": "m",
+    "velocity": "m/s",
+    "solid_conductivity": "W/(m K)",
+    "heat_flux": "W/m^2",
+    "contacts_per_area": "1/m^2",
+}
+"""Units of the inputs' standard errors; the others are numbers, or have a reader of their own."""
 
-    from bedrad.heat.prediction import Uncertainties
+
+def _size(text: str, whole: float) -> tuple[str, float]:
+    """Name and standard error from a text such as ``"particle_diameter=10um"`` or ``"bulk_conductivity=5%"``."""
     from bedrad.jobs.units import quantity, temperature_difference
 
-    units = {
-        "tube_diameter": "m",
-        "particle_diameter": "m",
-        "velocity": "m/s",
-        "solid_conductivity": "W/(m K)",
-        "heat_flux": "W/m^2",
-    }
-    given = Uncertainties.published() if published else Uncertainties()
-    names = [entry.name for entry in fields(Uncertainties)]
-    # a percentage of the wall temperatures is taken of the hottest
-    sizes = {"wall_temperature": max(temperature), "heat_flux": abs(heat_flux or 0.0)}
+    name, size = (part.strip() for part in text.split("=", 1))
+    if size.endswith("%"):
+        return name, float(size[:-1]) / 100 * whole
+    if name == "wall_temperature":
+        return name, temperature_difference(size)
+    return name, quantity(size, _UNITS[name]) if name in _UNITS else float(size)
+
+
+def _errors(
+    texts: Sequence[str], wholes: Mapping[str, float], *, measured: bool, traced: bool, flux: bool
+) -> dict[str, float]:
+    """Standard errors by name, in SI units; percentages of what the inputs are.
+
+    Parameters
+    ----------
+    texts : sequence of str
+        What was given after ``--error``.
+    wholes : mapping
+        Inputs by name, of which percentages are taken; 1 for those relative to a model or a correlation.
+    measured, traced, flux : bool
+        Whether a wall layer, view factors and a heat flux were given, without which their errors mean nothing.
+    """
+    found: dict[str, float] = {}
+    needs = {"nc_distance": (measured, "--packing-fraction and --contacts-per-area"),
+             "view_factors": (traced, "--view-factor"), "heat_flux": (flux, "--heat-flux")}  # fmt: skip
     for text in texts:
-        name, separator, size = (part.strip() for part in text.partition("="))
-        name = name.replace("-", "_")
-        if not separator or name not in names:
-            raise ValueError(f'--error {text!r}: expected "NAME=SIZE" with a name of {", ".join(names)}')
+        name = text.partition("=")[0].strip()
+        if "=" not in text or name not in wholes:
+            raise ValueError(f'--error {text!r}: expected "NAME=SIZE" with a name of {", ".join(wholes)}')
+        there, what = needs.get(name, (True, ""))
+        if not there:
+            raise ValueError(f"--error {text!r}: there is no such input without {what}")
         try:
-            if size.endswith("%"):
-                share = float(size[:-1]) / 100
-                value = share * float(sizes.get(name, getattr(system, name, 1.0)))
-            elif name == "wall_temperature":
-                value = temperature_difference(size)
-            elif name in units:
-                value = quantity(size, units[name])
-            else:
-                value = float(size)
-            given = replace(given, **{name: value})
+            found |= [_size(text, wholes[name])]
         except ValueError as problem:
             raise ValueError(f"--error {text!r}: {problem}") from None
-    return given
+        if not 0.0 <= found[name] < float("inf"):
+            raise ValueError(f"--error {text!r}: standard error of {name} is {found[name]:g}; expected none below 0")
+    return found
 
 
 def _check_output(output: Path) -> None:

@@ -317,3 +317,112 @@ class TestPropertyTemperature:
 def test_a_matrix_of_temperatures_is_refused():
     with pytest.raises(ValueError, match=r"wall_temperature has the shape \(1, 2\); expected one number or a row"):
         prediction.predict(TUBE, [[400.0, 500.0]])
+
+
+NARROW = System(7.75e-3, 450e-6, 0.058)
+
+
+class TestWhatNobodyCanMean:
+    """Found by reading and trying: each gave a number, or another error than the one that helps."""
+
+    @pytest.mark.parametrize("choice", ["wall", "mean", "layers"])
+    def test_no_flow_is_colder_than_absolute_zero(self, choice):
+        for T_w, q in ((373.15, 1e5), (900.0, 1e6)):
+            with pytest.raises(ValueError, match=r"expected less: no flow above absolute zero takes it from a wall of"):
+                prediction.predict(TUBE, T_w, property_temperature=choice, heat_flux=q)
+
+    def test_strong_cooling_settles_on_the_only_solution(self):
+        """Where radiation rules, plain repetition swings ever more widely."""
+        large = System(56.4e-3, 2e-3, 0.015)
+        one = prediction.predict(large, 400.0, property_temperature="mean", heat_flux=-1e5)
+        # by bisection
+        low, high = 400.0, 3000.0
+        for _ in range(80):
+            middle = 0.5 * (low + high)
+            there = float(prediction.predict(large, middle).heat_transfer_coefficient)
+            low, high = (middle, high) if 400.0 + 1e5 / there > middle else (low, middle)
+        assert one.mean_temperature == pytest.approx(low, rel=1e-9)
+
+    def test_draws_far_out_are_drawn_again(self):
+        """Diameters near zero, walls near zero, factors below zero: no draw ends the run, and none counts as heat."""
+        wide = Uncertainties(particle_diameter=1e-4, wall_temperature=300.0)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RangeWarning)
+            many = prediction.predict(TUBE, 900.0, uncertainties=wide, samples=1500).monte_carlo
+            walls = Uncertainties(wall_temperature=200.0)
+            layers = prediction.predict(
+                TUBE, 900.0, property_temperature="layers", heat_flux=4e4, uncertainties=walls, samples=1500
+            ).monte_carlo
+        loose = prediction.predict(TUBE, 900.0, MEASURED, ViewFactors([0.8], [2.0]), samples=1500).monte_carlo
+        for found in (many, layers, loose):
+            assert np.isfinite(found.mean["heat_transfer_coefficient"]).all()
+            assert 100 < found.mean["heat_transfer_coefficient"][0] < 1000
+        assert loose.rejected > 0.2
+
+    @pytest.mark.parametrize(
+        ("options", "message"),
+        [
+            ({"uncertainties": {"bulk_conductivity": 0.1}}, "uncertainties is .*; expected Uncertainties"),
+            ({"view_factors": [0.8, 0.2]}, "view_factors is .*; expected ViewFactors"),
+            ({"wall_layer": (0.4, 1e6)}, "wall_layer is .*; expected WallLayer or ParticleWallLayer"),
+            ({"bulk": 0.4}, "bulk is 0.4; expected Bulk or str"),
+            ({"samples": 10.5}, "samples is 10.5; expected int"),
+            ({"uncertainties": Uncertainties(heat_flux=1.0)}, "standard error of heat_flux is 1 W/m2, but there is no"),
+        ],
+    )
+    def test_numbers_in_place_of_records_are_refused(self, options, message):
+        with pytest.raises(ValueError, match=message):
+            prediction.predict(TUBE, 900.0, **options)
+
+    def test_nothing_to_predict_and_several_tubes_are_refused(self):
+        with pytest.raises(ValueError, match=r"wall_temperature has the shape \(0,\)"):
+            prediction.predict(TUBE, [])
+        for bad in ([7e-3], None, "7 mm", np.array([7e-3, 8e-3])):
+            with pytest.raises(ValueError, match=r"tube_diameter is .*; expected one number"):
+                System(bad, 1e-4, 0.05)
+        for values in ((np.nan, 1e6), (0.4, -1.0), (0.4, 1e6, 1.0), ([0.4], 1e6)):
+            with pytest.raises(ValueError):
+                WallLayer(*values)
+
+    def test_a_gas_of_one_conductivity_may_say_so(self):
+        one = prediction.predict(TUBE, T, gas_conductivity=lambda temperature: 0.05)
+        assert (one.gas_conductivity == 0.05).all()
+
+    def test_the_budget_is_of_the_hottest_wall_by_itself(self):
+        budget = prediction.predict(TUBE, [1373.15, 400.0], uncertainties=GIVEN).budget
+        assert str(budget).splitlines()[0].endswith("at 1373.15 K")
+        assert budget.table(1).splitlines()[0].endswith("at 400.00 K")
+
+    def test_published_deviations_are_those_of_watkins_correlations_alone(self):
+        for correlation, same in (("bedrad", True), ("watkins", False)):
+            bare, with_ = (
+                prediction.predict(NARROW, 900.0, correlation=correlation, uncertainties=given).budget
+                for given in (None, Uncertainties.published())
+            )
+            row = bare.names.index("contacts_per_area")
+            assert (bare.errors[row] == with_.errors[row]) == same
+
+    def test_far_outside_the_fits_it_is_they_that_are_named(self):
+        far = System(3.0, 3e-4, 0.05)
+        with (
+            pytest.warns(RangeWarning),
+            pytest.raises(ValueError, match=r"bedrad's correlation, far outside the flows|packing"),
+        ):
+            prediction.predict(System(1.2e-3, 3e-4, 0.9), 900.0, correlation="bedrad")
+        huge = System(3e5, 3e-4, 0.05)
+        with (
+            pytest.warns(RangeWarning),
+            pytest.raises(ValueError, match=r"contact_ratio \(Watkins 2018, eq. 40\) gives -"),
+        ):
+            prediction.predict(huge, 900.0)
+        with pytest.warns(RangeWarning):
+            assert prediction.predict(far, 900.0).nusselt > 7.9
+
+
+def test_view_factors_of_bedrads_flows_go_together():
+    """Their sum hardly varies from flow to flow, so the radiative conductivity is surer than its parts."""
+    factors = ViewFactors.from_correlations(NARROW, "bedrad")
+    assert factors.covariance[0, 1] < -0.9 * factors.errors[0] * factors.errors[1]
+    steps = np.arange(1.0, 4.0)
+    together = np.sqrt(steps @ factors.covariance @ steps)
+    assert together < 0.7 * np.linalg.norm(steps * factors.errors)

@@ -75,14 +75,15 @@ class Budget:
         np.divide(self.contributions**2, variance, out=shares, where=np.broadcast_to(variance > 0.0, shares.shape))
         return shares
 
-    def table(self, index: int = -1) -> str:
+    def table(self, index: int | None = None) -> str:
         """Table of the inputs at one wall temperature, those that matter most first.
 
         Parameters
         ----------
-        index : int
-            Which wall temperature.
+        index : int, optional
+            Which wall temperature; the hottest if left out.
         """
+        index = int(np.argmax(self.wall_temperature)) if index is None else index
         h, total = float(self.heat_transfer_coefficient[index]), float(self.total[index])
         lines = [
             f"h {h:.1f} +- {total:.2g} W/(m2 K) ({100 * total / h:.2g} %) at {self.wall_temperature[index]:.2f} K",
@@ -162,8 +163,8 @@ def standard_errors(evaluation: Evaluation, given: Uncertainties) -> dict[str, F
             continue
         error = np.asarray(getattr(given, name, 0.0), dtype=np.float64)
         if name in own:
-            # a measured layer has errors of its own; the others are those of the correlations
-            relative = float(error) if evaluation.layer_correlation is not None else 0.0
+            # measured layers and bedrad's correlations have errors of their own; the others are those of Watkins'
+            relative = float(error) if evaluation.layer_correlation == "watkins" else 0.0
             error = np.hypot(own[name], relative * value)
         errors[name] = error
     covariance = evaluation.factors.covariance
@@ -234,7 +235,7 @@ def propagate(
 def _quiet(evaluation: Evaluation, x: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
     """Results without the warnings, which the values themselves have given already."""
     with quiet():
-        return evaluation.evaluate(x)
+        return evaluation.evaluate(x, partial=True)
 
 
 def monte_carlo(evaluation: Evaluation, errors: Mapping[str, FloatArray], samples: int, seed: int) -> MonteCarlo:
@@ -275,8 +276,10 @@ def monte_carlo(evaluation: Evaluation, errors: Mapping[str, FloatArray], sample
         if good.any():
             found = _quiet(evaluation, rows)
             many = {name: np.broadcast_to(value, (int(good.sum()), shape[1])) for name, value in found.items()}
-            parts.append(many)
-            kept += int(good.sum())
+            # a draw whose heat flux no flow can take has no coefficient
+            whole = np.isfinite(many["heat_transfer_coefficient"]).all(axis=1)
+            parts.append({name: value[whole] for name, value in many.items()})
+            kept += int(whole.sum())
     results = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     return MonteCarlo(
         samples=samples,

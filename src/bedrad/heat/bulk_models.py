@@ -1,7 +1,7 @@
 """Conductivity of a bed of spheres in a stagnant gas by the unit cell of Zehner, Bauer and Schluender.
 
-Conduction alone (Zehner and Schluender), and with the radiation, contacts and Smoluchowski effect that Bauer
-added.
+Conduction alone (Zehner and Schluender 1970), and with the radiation, contacts and Smoluchowski effect that Bauer added
+(Bauer and Schluender 1978; VDI Heat Atlas, D6.3).
 """
 
 from __future__ import annotations

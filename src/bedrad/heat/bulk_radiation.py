@@ -1,7 +1,8 @@
 """Conductivity of a bed of spheres by radiation alone, `k_r = 4 sigma T^3 d F`, as published models give it.
 
-The models differ in the exchange factor F. Those of Argo and Smith, Vortmeyer and Schotte know the emissivity,
-Breitbach and Barthels' and Singh and Kaviany's also that a particle's far side is colder than its near side.
+The models differ in the exchange factor F. Those of Argo and Smith (1953), Schotte (1960) and Vortmeyer (1978) know the
+emissivity, Breitbach and Barthels' (1980) and Singh and Kaviany's (1994) also that a particle's far side is colder than
+its near side.
 Add k_r to a conduction model such as `bulk.zehner_schluender`, not to one that has radiation already.
 """
 

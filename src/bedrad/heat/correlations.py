@@ -82,16 +82,28 @@ def packing_fraction(
         Outside diameter ratios 12.9 to 36.4 or velocities 0.002 to 0.25 m/s.
     """
     A = positive("diameter_ratio", diameter_ratio)
-    speed = dimensionless_velocity(velocity, particle_diameter)
+    fraction = unchecked_packing_fraction(A, velocity, particle_diameter)
     if warn:
         warn_outside_fit("packing_fraction (Watkins 2018, eq. 38)", A, velocity)
-    fraction = 0.43 - 2.0 / (3.0 * A * A) - (0.003 + 0.25 / A) * speed
     if np.any(fraction <= 0.0):
         raise ValueError(
             f"packing_fraction (Watkins 2018, eq. 38) gives {float(np.min(fraction)):g}; expected a positive "
             "value: velocity or diameter_ratio lie too far outside the fitted range"
         )
     return plain(fraction)
+
+
+def unchecked_packing_fraction(A: FloatArray, velocity: ArrayLike, particle_diameter: ArrayLike) -> FloatArray:
+    """The formula of eq. 38 alone, which far outside its range is negative; for draws about `packing_fraction`."""
+    return np.asarray(
+        0.43 - 2.0 / (3.0 * A * A) - (0.003 + 0.25 / A) * dimensionless_velocity(velocity, particle_diameter)
+    )
+
+
+def unchecked_contact_ratio(A: FloatArray, velocity: ArrayLike, particle_diameter: ArrayLike) -> FloatArray:
+    """The formula of eq. 40 alone, which is negative for diameter ratios above 5e4."""
+    speed = dimensionless_velocity(velocity, particle_diameter)
+    return np.asarray((1.6 / A**0.09 - 0.6) * np.exp(-(0.07 + 175.0 / A**2.55) * speed))
 
 
 def contact_ratio(
@@ -120,7 +132,7 @@ def contact_ratio(
     Raises
     ------
     ValueError
-        If a diameter is not positive or the velocity negative.
+        If a diameter is not positive, the velocity negative, or the fit gives a negative ratio.
 
     Warns
     -----
@@ -128,10 +140,15 @@ def contact_ratio(
         Outside diameter ratios 12.9 to 36.4 or velocities 0.002 to 0.25 m/s.
     """
     A = positive("diameter_ratio", diameter_ratio)
-    speed = dimensionless_velocity(velocity, particle_diameter)
+    ratio = unchecked_contact_ratio(A, velocity, particle_diameter)
     if warn:
         warn_outside_fit("contact_ratio (Watkins 2018, eq. 40)", A, velocity)
-    return plain((1.6 / A**0.09 - 0.6) * np.exp(-(0.07 + 175.0 / A**2.55) * speed))
+    if np.any(ratio < 0.0):
+        raise ValueError(
+            f"contact_ratio (Watkins 2018, eq. 40) gives {float(np.min(ratio)):g}; expected no negative value: "
+            "diameter_ratio lies too far outside the fitted range"
+        )
+    return plain(ratio)
 
 
 def maximum_contacts(diameter_ratio: ArrayLike, particle_diameter: ArrayLike) -> FloatArray:

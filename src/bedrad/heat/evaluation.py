@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,42 +13,17 @@ from bedrad.heat import correlations, cylinder, flow_correlations, wall_layer
 from bedrad.heat.bulk import BulkFit
 from bedrad.heat.bulk_choice import Bulk, with_and_without_radiation
 from bedrad.heat.particle_wall_layer import ParticleWallLayer
+from bedrad.heat.property_temperatures import PropertyTemperature, PropertyTemperatures, search
 from bedrad.heat.radiation import STEFAN_BOLTZMANN
 from bedrad.heat.ranges import FloatArray, quiet
 from bedrad.heat.systems import Correlation, System, ViewFactors, WallLayer
 from bedrad.heat.two_layer import nusselt_developed
 
-__all__ = ["Evaluation", "PropertyTemperature", "check_property_temperature"]
-
-PropertyTemperature = Literal["wall", "mean", "layers"]
-"""Temperature at which the properties are taken, see `bedrad.heat.prediction.predict`."""
+__all__ = ["Evaluation"]
 
 Inputs = Mapping[str, FloatArray]
 
 _POSITIVE = ("particle_diameter", "solid_conductivity", "gas_conductivity", "bulk_conductivity", "wall_temperature")
-
-_ITERATIONS = 500
-_CLOSE = 1e-12
-
-
-def check_property_temperature(choice: str, *, has_flux: bool) -> None:
-    """Refuse an unknown choice, and one that needs a heat flux without one."""
-    if choice not in get_args(PropertyTemperature):
-        raise ValueError(f"property_temperature is {choice!r}; expected 'wall', 'mean' or 'layers'")
-    if choice != "wall" and not has_flux:
-        raise ValueError(
-            f"property_temperature {choice!r} needs a heat_flux: it parts the mean from the wall temperature"
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class _Temperatures:
-    """At which temperatures the properties are taken. [K]"""
-
-    wall_layer: FloatArray
-    bulk: FloatArray
-    step: FloatArray | None
-    """Fall of the temperature across the wall layer; None where radiation is linearised about the wall."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +88,9 @@ class Evaluation:
             good = good & (full[name] > 0.0)
         good = good & (full["velocity"] >= 0.0) & (full["porosity"] > 0.0) & (full["porosity"] < 1.0)
         good = good & (full["emissivity"] > 0.0) & (full["emissivity"] <= 1.0)
+        layers = range(1, len(self.factors.to_layers) + 1)
+        penetration = sum((k * full[f"view_factor_{k}"] for k in layers), start=np.zeros(1))
+        good = good & (penetration >= 0.0) & (penetration <= len(layers))
         A = full["tube_diameter"] / full["particle_diameter"]
         if isinstance(self.layer, ParticleWallLayer):
             return np.asarray(good & (A > 1.0) & (full["wall_layer_conductivity"] > 0.0))
@@ -146,8 +123,15 @@ class Evaluation:
                 full[name] = x[name] + _fitted(name, *new) - _fitted(name, *old)
         return full
 
-    def evaluate(self, x: Inputs) -> dict[str, FloatArray]:
+    def evaluate(self, x: Inputs, *, partial: bool = False) -> dict[str, FloatArray]:
         """Evaluate all models: conductivities, Nusselt numbers and coefficients, with radiation and without.
+
+        Parameters
+        ----------
+        x : mapping
+            Inputs by name, see `inputs`.
+        partial : bool
+            Give nan, and do not refuse, where the heat flux needs a flow below absolute zero.
 
         Raises
         ------
@@ -163,50 +147,33 @@ class Evaluation:
         # the search passes through temperatures that are not the answer
         with quiet():
             temperatures = self._temperatures(full)
-        return self._at(full, temperatures)
+        results = self._at(full, temperatures)
+        if "heat_flux" not in full:
+            return results
+        good = temperatures.found & (results["mean_temperature"] > 0.0)
+        if not partial and not np.all(good):
+            raise ValueError(
+                f"heat_flux is {float(np.max(np.abs(full['heat_flux']))):g} W/m2; expected less: no flow above "
+                f"absolute zero takes it from a wall of {float(np.min(full['wall_temperature'])):.2f} K"
+            )
+        return {name: np.where(good, values, np.nan) for name, values in results.items()}
 
-    def _temperatures(self, x: Inputs) -> _Temperatures:
+    def _temperatures(self, x: Inputs) -> PropertyTemperatures:
         """Find the temperatures that the properties are taken at, from the heat flux where they need it."""
         wall = x["wall_temperature"]
-        now = _Temperatures(wall, wall, None)
         if self.property_temperature == "wall":
-            return now
-        radius = 0.5 * x["particle_diameter"]
-        share = 1.0 - 0.5 * x["particle_diameter"] / x["tube_diameter"]
-        for _ in range(_ITERATIONS):
-            found = self._at(x, now)
-            mean = wall - x["heat_flux"] / found["heat_transfer_coefficient"]
-            if self.property_temperature == "mean":
-                new = _Temperatures(mean, mean, None)
-            else:
-                # the flux falls linearly with the radius in a developed plug flow: half the fall across the wall layer
-                # is its mean, and two thirds of the bulk's fall from its edge to its mean are where a property that
-                # varies linearly has to be taken for the same mean temperature
-                total = found["wall_layer_conductivity"] + found["radiative_conductivity"]
-                step = x["heat_flux"] * radius * share / total
-                bulk_share = (1.0 - x["particle_diameter"] / x["tube_diameter"]) ** 2
-                bulk_mean = (mean - (1.0 - bulk_share) * (wall - 0.5 * step)) / bulk_share
-                edge = wall - step
-                new = _Temperatures(wall - 0.5 * step, edge - 2.0 / 3.0 * (edge - bulk_mean), step)
-            lowest = np.minimum(np.minimum(new.wall_layer, new.bulk), wall - self._deepest(new))
-            if not np.all(lowest > 0.0):
-                break
-            change = np.maximum(np.abs(new.bulk - now.bulk), np.abs(new.wall_layer - now.wall_layer))
-            now = new
-            if np.all(change <= _CLOSE * wall):
-                return now
-        raise ValueError(
-            f"heat_flux is {float(np.max(np.abs(x['heat_flux']))):g} W/m2; expected less: no flow above absolute zero "
-            f"takes it from a wall of {float(np.min(wall)):.2f} K"
+            return PropertyTemperatures(wall, wall, None, np.ones(1, dtype=bool))
+        return search(
+            self.property_temperature,
+            wall,
+            x["heat_flux"],
+            x["particle_diameter"],
+            x["tube_diameter"],
+            len(self.factors.to_layers),
+            lambda temperatures: self._at(x, temperatures),
         )
 
-    def _deepest(self, temperatures: _Temperatures) -> FloatArray:
-        """How far the temperature has fallen at the last layer that radiation reaches."""
-        if temperatures.step is None:
-            return np.zeros(1)
-        return np.asarray(temperatures.step * len(self.factors.to_layers))
-
-    def _at(self, x: Inputs, temperatures: _Temperatures) -> dict[str, FloatArray]:
+    def _at(self, x: Inputs, temperatures: PropertyTemperatures) -> dict[str, FloatArray]:
         A = x["tube_diameter"] / x["particle_diameter"]
         k_wa = self._conductive(x, x["gas_conductivity"] * self.gas_conductivity(temperatures.wall_layer))
         k_rad = self._radiative(x, temperatures)
@@ -244,7 +211,7 @@ class Evaluation:
             self.layer.form,
         )
 
-    def _radiative(self, x: Inputs, temperatures: _Temperatures) -> FloatArray:
+    def _radiative(self, x: Inputs, temperatures: PropertyTemperatures) -> FloatArray:
         """Radiative conductivity: eq. 50, or from eq. 48 with the same equal steps but every fourth power."""
         factors = [x[f"view_factor_{k}"] for k in range(1, len(self.factors.to_layers) + 1)]
         wall = x["wall_temperature"] if self.property_temperature != "mean" else temperatures.wall_layer
@@ -281,8 +248,8 @@ def _contacts(ratio: FloatArray, A: FloatArray, diameter: FloatArray) -> FloatAr
 
 _LAYER: Mapping[str, Mapping[str, Callable[..., FloatArray]]] = {
     "watkins": {
-        "packing_fraction": lambda A, U, d: correlations.packing_fraction(A, U, d, warn=False),
-        "contacts_per_area": lambda A, U, d: _contacts(correlations.contact_ratio(A, U, d, warn=False), A, d),
+        "packing_fraction": correlations.unchecked_packing_fraction,
+        "contacts_per_area": lambda A, U, d: _contacts(correlations.unchecked_contact_ratio(A, U, d), A, d),
     },
     "bedrad": {
         "packing_fraction": lambda A, U, d: _fitted("packing_fraction", A, U, d),

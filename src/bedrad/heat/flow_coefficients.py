@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["DIAMETER_RATIOS", "FITS", "POINTS", "TERMS", "VELOCITIES"]
+__all__ = ["DIAMETER_RATIOS", "FITS", "POINTS", "TERMS", "VELOCITIES", "VIEW_FACTOR_CORRELATIONS"]
 
 POINTS = 19
 """Flows that were fitted."""
@@ -77,3 +77,10 @@ FITS = {
     ),
 }
 """Coefficients, their covariance, and the standard deviation of a flow about the fit."""
+
+VIEW_FACTOR_CORRELATIONS = (
+    (1.0, -0.999298, -0.905453),
+    (-0.999298, 1.0, 0.892781),
+    (-0.905453, 0.892781, 1.0),
+)
+"""How the residuals of the three view factors go together."""

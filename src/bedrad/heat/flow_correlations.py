@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bedrad.heat.correlations import dimensionless_velocity
-from bedrad.heat.flow_coefficients import DIAMETER_RATIOS, FITS, TERMS, VELOCITIES
+from bedrad.heat.flow_coefficients import DIAMETER_RATIOS, FITS, TERMS, VELOCITIES, VIEW_FACTOR_CORRELATIONS
 from bedrad.heat.ranges import FloatArray, plain, positive, warn_outside
 
-__all__ = ["Quantity", "estimate", "warn_outside_fit"]
+__all__ = ["Quantity", "estimate", "view_factors", "warn_outside_fit"]
 
 Quantity = Literal[
     "packing_fraction", "contact_ratio", "nc_distance", "view_factor_1", "view_factor_2", "view_factor_3"
@@ -81,3 +81,46 @@ def estimate(
     terms = np.stack(np.broadcast_arrays(*(A**-p * speed**q for p, q in TERMS)), axis=-1)
     variance = np.einsum("...i,ij,...j->...", terms, np.array(covariance), terms)
     return plain(terms @ np.array(coefficients)), plain(np.sqrt(variance + scatter**2))
+
+
+def view_factors(
+    diameter_ratio: float, velocity: float, particle_diameter: float, *, warn: bool = True
+) -> tuple[FloatArray, FloatArray]:
+    """Estimate the view factors from the wall to the first three layers of a dense flow in a tube, together.
+
+    Parameters
+    ----------
+    diameter_ratio : float
+        Tube inner diameter over particle diameter.
+    velocity : float
+        Mean flow velocity. [m/s]
+    particle_diameter : float
+        Particle diameter. [m]
+    warn : bool
+        Warn outside the fitted range.
+
+    Returns
+    -------
+    values : (3,) array
+        The view factors.
+    covariance : (3, 3) array
+        Of one flow about them: what a looser wall layer takes from the first factor it gives to the others, so that
+        their errors partly cancel in the radiative conductivity.
+
+    Raises
+    ------
+    ValueError
+        If a diameter is not positive or the velocity negative.
+
+    Warns
+    -----
+    RangeWarning
+        Outside the diameter ratios and velocities of the runs.
+    """
+    if warn:
+        warn_outside_fit(diameter_ratio, velocity, particle_diameter)
+    names: tuple[Quantity, ...] = ("view_factor_1", "view_factor_2", "view_factor_3")
+    found = [estimate(name, diameter_ratio, velocity, particle_diameter, warn=False) for name in names]
+    errors = np.array([float(error) for _, error in found])
+    covariance = errors[:, None] * np.array(VIEW_FACTOR_CORRELATIONS) * errors
+    return np.array([float(value) for value, _ in found]), covariance

@@ -181,11 +181,13 @@ def air_conductivity(temperature: ArrayLike) -> FloatArray:
     Warns
     -----
     RangeWarning
-        Outside 85 to 2000 K.
+        Outside 85 to 2000 K. Below, where the correlation turns up without limit, it goes on in proportion to T.
     """
     T = positive("temperature", temperature, "K")
     warn_outside("air_conductivity (Kadoya et al. 1985): temperature", T, *AIR_RANGE, "K")
-    return plain(_kadoya(T, _CONDUCTIVITY_SCALE, _CONDUCTIVITY_DILUTE, _CONDUCTIVITY_RESIDUAL))
+    within_range = np.maximum(T, AIR_RANGE[0])
+    found = _kadoya(within_range, _CONDUCTIVITY_SCALE, _CONDUCTIVITY_DILUTE, _CONDUCTIVITY_RESIDUAL)
+    return plain(found * (T / within_range))
 
 
 def air_viscosity(temperature: ArrayLike) -> FloatArray:

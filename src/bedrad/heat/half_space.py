@@ -1,7 +1,8 @@
 """A half-space heated through a contact resistance, exactly and with both resistances in series.
 
 The half-space starts cold at the time 0 and touches a wall of constant temperature through the coefficient `h_c`. All
-depends on `B = h_c sqrt(alpha t)/k`. A plug that flows past a heated wall sees the same with t = distance/velocity.
+depends on `B = h_c sqrt(alpha t)/k` (Carslaw and Jaeger 1959, section 2.7; Sullivan and Sabersky 1975). A plug that
+flows past a heated wall sees the same with t = distance/velocity.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Heat exchangers in general: log-mean temperature differences, effectiveness and transfer units, outlet with losses.
 
 Every form is written so that its limits are exact: equal temperature differences at both ends, equal capacity
-rates, a capacity ratio of zero.
+rates, a capacity ratio of zero. The relations are those of Kays and London (1984).
 """
 
 from __future__ import annotations

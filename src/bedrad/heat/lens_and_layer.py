@@ -1,4 +1,4 @@
-"""The same heat by two roads: Rong and Horio's fluid lenses against Watkins' wall layer, on the same gaps.
+"""The same heat by two roads: Rong and Horio's fluid lenses (1999) against Watkins' wall layer (2018).
 
 Both let heat run straight from a flat wall into every particle near it. Rong and Horio stop at the surface of an
 isothermal particle, keep `asperity` as the least gap and cut the lens at 1.4 radii; Watkins goes on through the solid

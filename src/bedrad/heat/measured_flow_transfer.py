@@ -154,14 +154,15 @@ class FirstLaw:
     def deviation(self) -> FloatArray:
         """The difference in standard errors; infinite where temperatures differ that count as exact."""
         gap = self.difference
-        exact = np.where(np.asarray(gap.value) == 0.0, 0.0, np.copysign(np.inf, gap.value))
-        return plain(np.divide(gap.value, gap.error, out=np.asarray(exact), where=np.asarray(gap.error > 0.0)))
+        value, error = np.broadcast_arrays(gap.value, gap.error)
+        exact = np.where(value == 0.0, 0.0, np.copysign(np.inf, value))
+        return plain(np.divide(value, error, out=exact, where=error > 0.0))
 
     @property
     def closure(self) -> FloatArray:
         """Heat taken up over heat given, 1 where the balance closes; NaN where none is given."""
-        given = np.asarray(self.heat.value)
-        return plain(np.divide(self.taken_up, given, out=np.full(given.shape, np.nan), where=given != 0.0))
+        taken, given = np.broadcast_arrays(self.taken_up, self.heat.value)
+        return plain(np.divide(taken, given, out=np.full(given.shape, np.nan), where=given != 0.0))
 
     def __str__(self) -> str:
         rows = [np.ravel(x) for x in (self.measured.value, self.balance.value, self.deviation, self.closure)]

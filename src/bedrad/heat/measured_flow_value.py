@@ -146,6 +146,11 @@ def propagated(function: Callable[..., ArrayLike], *inputs: ArrayLike | Measured
     -------
     Measured
         The result to first order in the errors.
+
+    Raises
+    ------
+    ValueError
+        If an input or its error is not finite.
     """
     given = [as_measured(f"input {number}", x, "", sign=True) for number, x in enumerate(inputs, start=1)]
     values = [np.asarray(x.value) for x in given]

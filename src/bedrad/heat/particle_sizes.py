@@ -1,4 +1,4 @@
-"""Mean diameters of particles of unequal size."""
+"""Mean diameters of particles of unequal size (Nguyen 2015, section 3)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Heat transfer to a dense flow in a hot tube, all models put together."""
+"""Heat transfer to a dense flow in a hot tube, all models put together (Watkins 2018, section 5.3)."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike
 from bedrad.heat import radiation
 from bedrad.heat.budget import Budget, MonteCarlo, monte_carlo, propagate, standard_errors
 from bedrad.heat.bulk_choice import Bulk, BulkModel, bulk_conductivity, fit_for
-from bedrad.heat.evaluation import Evaluation, PropertyTemperature, check_property_temperature
+from bedrad.heat.evaluation import Evaluation
 from bedrad.heat.gas import air_conductivity
 from bedrad.heat.particle_wall_layer import ParticleWallLayer
+from bedrad.heat.property_temperatures import PropertyTemperature, check_property_temperature
 from bedrad.heat.ranges import FloatArray, plain, positive
 from bedrad.heat.systems import TABLE_5_1, Correlation, System, ViewFactors, WallLayer
 from bedrad.heat.uncertainties import Uncertainties
@@ -132,10 +133,11 @@ class Prediction:
 
     def __str__(self) -> str:
         s = self.system
+        fluxed = bool(np.isfinite(self.mean_temperature).any())
         lines = [
             f"{s.name or 'tube'}: D {s.tube_diameter * 1e3:.4g} mm, d {s.particle_diameter * 1e6:.4g} um, "
             f"A {s.diameter_ratio:.4g}, U {s.velocity:g} m/s, bulk by {self.bulk_model}",
-            "  T_w [K]    k_wa   k_rad     k_b      Nu  h [W/(m2 K)]  without radiation",
+            "  T_w [K]    k_wa   k_rad     k_b      Nu  h [W/(m2 K)]  without radiation" + "  T_m [K]" * fluxed,
         ]
         columns = (
             self.wall_temperature,
@@ -145,9 +147,11 @@ class Prediction:
             self.nusselt,
             self.heat_transfer_coefficient,
             self.heat_transfer_coefficient_without,
+            self.mean_temperature,
         )
-        for T, k_wa, k_rad, k_b, nu, h, h0 in zip(*(np.atleast_1d(c) for c in columns), strict=True):
-            lines.append(f"{T:9.2f}  {k_wa:.4f}  {k_rad:.4f}  {k_b:.4f}  {nu:6.3f}  {h:12.1f}  {h0:17.1f}")
+        for T, k_wa, k_rad, k_b, nu, h, h0, T_m in zip(*(np.atleast_1d(c) for c in columns), strict=True):
+            line = f"{T:9.2f}  {k_wa:.4f}  {k_rad:.4f}  {k_b:.4f}  {nu:6.3f}  {h:12.1f}  {h0:17.1f}"
+            lines.append(line + (f"  {T_m:7.2f}" if fluxed else ""))
         return "\n".join(lines)
 
 
@@ -238,8 +242,13 @@ def predict(
         Outside the range of the correlations or of Table 5.2, and where the void share of k_wa is negative.
     """
     T = positive("wall_temperature", wall_temperature, "K")
-    if T.ndim > 1:
+    if T.ndim > 1 or T.size == 0:
         raise ValueError(f"wall_temperature has the shape {T.shape}; expected one number or a row of them")
+    _check_kinds(wall_layer, view_factors, bulk, uncertainties, samples)
+    if uncertainties is not None and uncertainties.heat_flux > 0.0 and heat_flux is None:
+        raise ValueError(
+            f"the standard error of heat_flux is {uncertainties.heat_flux:g} W/m2, but there is no heat_flux"
+        )
     if isinstance(wall_layer, ParticleWallLayer):
         wall_layer.check(system)
     check_property_temperature(property_temperature, has_flux=heat_flux is not None)
@@ -250,12 +259,28 @@ def predict(
         factors=ViewFactors.from_correlations(system, correlation) if view_factors is None else view_factors,
         factor_correlation=correlation if view_factors is None else None,
         bulk=fit_for(system, bulk) if isinstance(bulk, str) else _matched(bulk, T),
-        gas_conductivity=gas_conductivity,
+        gas_conductivity=lambda temperature: np.broadcast_to(gas_conductivity(temperature), np.shape(temperature)),
         property_temperature=property_temperature,
         wall_temperature=np.atleast_1d(T),
         heat_flux=None if heat_flux is None else _flux(heat_flux, T),
     )
     return _result(evaluation, T.shape, uncertainties or Uncertainties(), samples, seed)
+
+
+def _check_kinds(
+    wall_layer: object, view_factors: object, bulk: object, uncertainties: object, samples: object
+) -> None:
+    """Refuse numbers where records are meant: none of them would say what it was."""
+    for name, given, kinds in (
+        ("wall_layer", wall_layer, (WallLayer, ParticleWallLayer, type(None))),
+        ("view_factors", view_factors, (ViewFactors, type(None))),
+        ("bulk", bulk, (Bulk, str)),
+        ("uncertainties", uncertainties, (Uncertainties, type(None))),
+        ("samples", samples, (int,)),
+    ):
+        if not isinstance(given, kinds):
+            wanted = " or ".join(kind.__name__ for kind in kinds if kind is not type(None))
+            raise ValueError(f"{name} is {given!r}; expected {wanted}")  # noqa: TRY004 - as for every other input
 
 
 def _flux(heat_flux: ArrayLike, temperature: FloatArray) -> FloatArray:

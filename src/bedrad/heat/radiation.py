@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bedrad.heat.ranges import FloatArray, non_negative, plain, positive, within
+from bedrad.heat.ranges import FloatArray, finite, non_negative, plain, positive, within
 from bedrad.heat.two_layer import nusselt_developed
 
 __all__ = [
@@ -61,9 +61,13 @@ def fourth_power_difference(temperature: ArrayLike, fall: ArrayLike) -> FloatArr
     -------
     float or array
         Difference of the fourth powers, whatever the signs. [K4]
+
+    Raises
+    ------
+    ValueError
+        If an input is not finite.
     """
-    T = np.asarray(temperature, dtype=np.float64)
-    down = np.asarray(fall, dtype=np.float64)
+    T, down = finite("temperature", temperature, "K"), finite("fall", fall, "K")
     other = T - down
     return plain(down * (T + other) * (T * T + other * other))
 
@@ -173,7 +177,7 @@ def linearised_heat_flux(
         If a factor is not from 0 to 1, they sum to more than 1, or the temperature is not positive.
     """
     T = positive("wall_temperature", wall_temperature, "K")
-    step = np.asarray(temperature_step, dtype=np.float64)
+    step = finite("temperature_step", temperature_step, "K")
     return plain(4.0 * STEFAN_BOLTZMANN * T**3 * step * penetration(factors_to_layers))
 
 

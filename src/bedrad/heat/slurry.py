@@ -200,7 +200,7 @@ def suspension_velocity(
     density_ratio: ArrayLike,
     gravity: ArrayLike = STANDARD_GRAVITY,
 ) -> FloatArray:
-    """Velocity above which all particles are suspended, where the modified Froude number is 10.
+    """Velocity above which all particles are suspended, where the modified Froude number is 10 (Scelzo et al., eq. 10).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The phases of a slurry, what their mixture is like, and how fast a particle settles in it."""
+"""The phases of a slurry (Scelzo et al.), what their mixture is like, and how fast a particle settles in it."""
 
 from __future__ import annotations
 

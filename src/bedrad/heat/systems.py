@@ -33,6 +33,13 @@ def check_correlation(correlation: str) -> str:
     return correlation
 
 
+def _one_number(name: str, value: object) -> float:
+    """Refuse what is no single number."""
+    if isinstance(value, (bool, str)) or np.ndim(value) != 0 or value is None:  # type: ignore[arg-type]
+        raise ValueError(f"{name} is {value!r}; expected one number")
+    return float(value)  # type: ignore[arg-type]
+
+
 @dataclass(frozen=True)
 class System:
     """A tube and the particles that flow in it.
@@ -70,6 +77,8 @@ class System:
     name: str = ""
 
     def __post_init__(self) -> None:
+        for name in ("tube_diameter", "particle_diameter", "velocity", "solid_conductivity", "porosity", "emissivity"):
+            _one_number(name, getattr(self, name))
         positive("tube_diameter", self.tube_diameter, "m")
         positive("particle_diameter", self.particle_diameter, "m")
         non_negative("velocity", self.velocity, "m/s")
@@ -125,8 +134,12 @@ class WallLayer:
     form: wall_layer.Form = "general"
 
     def __post_init__(self) -> None:
-        for name in ("packing_fraction_error", "contacts_per_area_error", "nc_distance_error"):
-            non_negative(name, getattr(self, name))
+        for name in ("packing_fraction", "contacts_per_area", "nc_distance"):
+            _one_number(name, getattr(self, name))
+            non_negative(f"{name}_error", _one_number(f"{name}_error", getattr(self, f"{name}_error")))
+        within("packing_fraction", self.packing_fraction, 0.0, 1.0)
+        non_negative("contacts_per_area", self.contacts_per_area, "1/m2")
+        within("nc_distance", self.nc_distance, 0.0, 1.0, "particle radii", open_above=True)
         if self.form == "simplified" and self.nc_distance_error > 0.0:
             raise ValueError(
                 f"nc_distance_error is {self.nc_distance_error:g}, but the simplified form takes nc_distance "
@@ -260,7 +273,11 @@ class ViewFactors:
         """
         if check_correlation(correlation) == "watkins":
             return cls.watkins()
-        names: tuple[Quantity, ...] = ("view_factor_1", "view_factor_2", "view_factor_3")
         inputs = system.diameter_ratio, system.velocity, system.particle_diameter
-        found = [flow_correlations.estimate(name, *inputs, warn=False) for name in names]
-        return cls(*(np.array([float(pair[k]) for pair in found]) for k in (0, 1)))
+        values, covariance = flow_correlations.view_factors(*inputs, warn=False)
+        try:
+            return cls(values, covariance=covariance)
+        except ValueError as problem:
+            raise ValueError(
+                f"bedrad's correlation, far outside the flows that it was fitted to (A {inputs[0]:.3g}): {problem}"
+            ) from None

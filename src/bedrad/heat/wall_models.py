@@ -1,4 +1,4 @@
-"""The wall layer as others model it: Yagi and Kunii, Ofuchi and Kunii, Schluender; for comparison with `wall_layer`.
+"""The wall layer as others model it: Yagi and Kunii (1960), Ofuchi and Kunii (1965), Schluender (1971).
 
 All take a resting or slowly moving bed, all particles touching the wall. Each gives a heat transfer coefficient or a
 conductivity of the layer half a particle diameter deep; `layer_coefficient` and `layer_conductivity` turn one into

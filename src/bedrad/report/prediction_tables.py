@@ -26,6 +26,7 @@ _COLUMNS = {
     "heat transfer coefficient [W/(m2 K)]": "heat_transfer_coefficient",
     "its standard error [W/(m2 K)]": "heat_transfer_coefficient_error",
     "heat transfer coefficient without radiation [W/(m2 K)]": "heat_transfer_coefficient_without",
+    "its standard error without radiation [W/(m2 K)]": "heat_transfer_coefficient_without_error",
     "share of radiation [1]": "radiation_share",
     "Nusselt number [1]": "nusselt",
     "Nusselt number, standard error [1]": "nusselt_error",
@@ -34,8 +35,18 @@ _COLUMNS = {
     "radiative conductivity [W/(m K)]": "radiative_conductivity",
     "radiative conductivity, standard error [W/(m K)]": "radiative_conductivity_error",
     "bulk conductivity [W/(m K)]": "bulk_conductivity",
+    "bulk conductivity without radiation [W/(m K)]": "bulk_conductivity_without",
     "gas conductivity [W/(m K)]": "gas_conductivity",
 }
+
+
+_DRAWN = (
+    "heat transfer coefficient, mean of draws [W/(m2 K)]",
+    "heat transfer coefficient, standard deviation of draws [W/(m2 K)]",
+    "heat transfer coefficient, 2.5 % of draws below [W/(m2 K)]",
+    "heat transfer coefficient, 97.5 % of draws below [W/(m2 K)]",
+)
+"""Columns of a Monte Carlo propagation; empty without one."""
 
 
 def write_prediction_tables(found: Sequence[Prediction], path: Path) -> list[Path]:
@@ -52,13 +63,19 @@ def write_prediction_tables(found: Sequence[Prediction], path: Path) -> list[Pat
 
 def prediction_table(found: Sequence[Prediction]) -> Table:
     """All predicted numbers, a row a flow and wall temperature; empty where there is none."""
-    table: Table = {name: [] for name in (*_SYSTEM, *_COLUMNS, "bulk model", "temperature of properties")}
+    names = (*_SYSTEM, *_COLUMNS, *_DRAWN, "bulk model", "temperature of properties")
+    table: Table = {name: [] for name in names}
     for one in found:
         count = np.size(one.wall_temperature)
         for heading, name in _SYSTEM.items():
             table[heading] += [getattr(one.system, name)] * count
         for heading, name in _COLUMNS.items():
             table[heading] += list(np.atleast_1d(getattr(one, name)))
+        many = one.monte_carlo
+        h = "heat_transfer_coefficient"
+        drawn = [None] * 4 if many is None else [many.mean[h], many.standard_deviation[h], *many.interval[h]]
+        for heading, values in zip(_DRAWN, drawn, strict=True):
+            table[heading] += [None] * count if values is None else list(values)
         table["bulk model"] += [one.bulk_model] * count
         table["temperature of properties"] += [one.property_temperature] * count
     return table
