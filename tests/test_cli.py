@@ -78,6 +78,20 @@ def test_the_version_is_told(call):
             [*PREDICT, "--temperature", "500K", "--error", "velocity=-1%"],
             "--error 'velocity=-1%': standard error of vel",
         ),
+        ([*PREDICT, "--temperature", "500K", "--error", "nc_distance=1%"], "there is no such input without --packing"),
+        (
+            [*PREDICT, "--temperature", "500K", "--error", "view_factors=1%"],
+            "there is no such input without --view-factor",
+        ),
+        ([*PREDICT, "--temperature", "500K", "--error", "heat_flux=1%"], "there is no such input without --heat-flux"),
+        (
+            [*PREDICT, "--temperature", "500K", "--bulk-packing-fraction", "63"],
+            "--bulk-packing-fraction is 63; expected a",
+        ),
+        (
+            [*PREDICT, "--temperature", "500K", "--heat-flux", "5MW/m^2"],
+            "heat_flux is 5e.06 W/m2; expected less: no flow",
+        ),
         ([*PREDICT, "--temperature", "500K", "--samples", "1"], "samples is 1; expected at least 2"),
         ([*PREDICT, "--temperature", "500K", "-o", "a.txt"], "--output 'a.txt': expected a file that ends in .csv"),
         (

@@ -186,6 +186,40 @@ def test_a_table_of_flows_is_written_with_its_budget_and_figure(call, tmp_path):
     assert (tmp_path / "hot.png").stat().st_size > 20_000
 
 
+def test_a_measured_layer_and_view_factors_take_errors(call):
+    layer = (
+        "--packing-fraction",
+        "0.4",
+        "--contacts-per-area",
+        "5mm^-2",
+        "--view-factor",
+        "0.8",
+        "--view-factor",
+        "0.15",
+    )
+    sizes = ("packing_fraction=1%", "contacts_per_area=0.1mm^-2", "view_factors=5%")
+    errors = (word for size in sizes for word in ("--error", size))
+    code, out, _ = call(*PREDICT, "--temperature", "1100degC", *layer, *errors, "--budget")
+    assert code == 0
+    rows = {line[:36].strip(): line[36:].split() for line in out.splitlines()[3:]}
+    assert rows["wall contacts"][:2] == ["5", "0.1"]
+    assert rows["packing fraction of the wall layer"][:2] == ["0.4", "0.004"]
+    # 0.8 and 2 times 0.15, each within 5 %, independent
+    assert float(rows["view factors, penetration"][1]) == pytest.approx(0.05 * np.hypot(0.8, 0.3), rel=0.03)
+
+
+def test_a_heat_flux_gives_the_mean_temperature_and_the_hottest_budget(call):
+    walls = ("--temperature", "1100degC", "--temperature", "500degC")
+    words = ("--heat-flux", "20kW/m^2", "--properties", "layers", "--budget")
+    code, out, _ = call(*PREDICT, *walls, *words, "--error", "heat_flux=1%")
+    assert code == 0
+    lines = out.splitlines()
+    assert lines[1].endswith("T_m [K]")
+    T_w, h, T_m = (float(lines[2].split()[k]) for k in (0, 5, 7))
+    assert T_w - 2e4 / h == pytest.approx(T_m, abs=0.05)
+    assert lines[4].endswith("at 1373.15 K")
+
+
 # Real processes
 
 

@@ -98,3 +98,12 @@ def test_from_a_packing_to_a_prediction():
     phi = len(at) * float(cylinder.particle_volume(A)) * r**3 / (at.wall_area * r * (1 - 1 / (2 * A)))
     means = WallLayer(phi, len(at) / at.wall_area, form="cylinder")
     assert found.wall_layer_conductivity == pytest.approx(means.conductivity(TUBE, air_conductivity(900.0)), rel=1e-8)
+
+
+def test_the_bound_on_radiation_takes_particles_too():
+    T = np.array([600.0, 1200.0])
+    bound = prediction.largest_wall_radiation_effect(TUBE, T, LAYER, "zbs")
+    one = prediction.predict(TUBE, T, LAYER, ViewFactors([0.2, 0.3, 0.5]), "zbs")
+    dark = prediction.predict(TUBE, T, LAYER, ViewFactors([0.0]), "zbs")
+    gain = one.heat_transfer_coefficient / dark.heat_transfer_coefficient - 1
+    assert (gain < bound).all()

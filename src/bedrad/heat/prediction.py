@@ -326,7 +326,7 @@ def _result(
 def largest_wall_radiation_effect(
     system: System,
     wall_temperature: ArrayLike,
-    wall_layer: WallLayer | None = None,
+    wall_layer: WallLayer | ParticleWallLayer | None = None,
     bulk: Bulk | BulkModel = "auto",
     layers: int = 3,
 ) -> FloatArray:
@@ -341,7 +341,7 @@ def largest_wall_radiation_effect(
         Tube and particles.
     wall_temperature : float or (n,) array
         Wall temperatures. [K]
-    wall_layer : WallLayer, optional
+    wall_layer : WallLayer or ParticleWallLayer, optional
         What fills the wall layer; by correlation if left out.
     bulk : Bulk or {"auto", "table 5.2", "zbs"}
         Bulk conductivity at the wall temperatures, or how to get it.
@@ -361,7 +361,11 @@ def largest_wall_radiation_effect(
     T = positive("wall_temperature", wall_temperature, "K")
     layer = WallLayer.from_correlations(system) if wall_layer is None else wall_layer
     k_b = bulk_conductivity(system, T, bulk) if isinstance(bulk, str) else _matched(bulk, T)
-    k_wa = layer.conductivity(system, air_conductivity(T))
+    gas = air_conductivity(T)
+    if isinstance(layer, ParticleWallLayer):
+        k_wa = layer.conductivity(system.solid_conductivity, gas)
+    else:
+        k_wa = layer.conductivity(system, gas)
     return radiation.largest_effect(
         system.diameter_ratio, system.particle_diameter, T, k_wa, k_b.with_radiation, reach=float(layers)
     )
