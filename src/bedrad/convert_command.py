@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from bedrad.command_options import DryRun, ReadOptions, check_bed_output, list_files, say
+from bedrad.errors import visible
 
 if TYPE_CHECKING:
     from bedrad.packings.packing import Packing
@@ -65,4 +66,4 @@ def convert(
 def _tell(bed: Packing) -> None:
     say(str(bed))
     for name, value in bed.provenance.items():
-        say(f"  {name:<28} {value}")
+        say(f"  {name:<28} {visible(str(value))}")

@@ -164,3 +164,11 @@ def test_runs_come_out_in_the_order_of_the_table(write):
     found = reduce_measurements(write(GOOD), Tube(7.614e-3), Properties(600.0, 0.3), form="even", flux="section")
     assert [run.run.name for run in found] == ["a", "b"]
     assert [run.position.size for run in found] == [2, 1]
+
+
+@pytest.mark.parametrize(
+    "title", ["a" + " " * 100_000 + "b[c]d", " " * 100_000 + "[m] m", "T at r = " + " " * 100_000 + "("]
+)
+def test_a_title_of_blanks_takes_no_time(write, title):
+    with pytest.raises(BadFileError, match=r"line 1: column .* is not known"):
+        read_measurements(write(f"{title},mass flow [kg/s]\n1,2\n"))

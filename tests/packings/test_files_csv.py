@@ -228,3 +228,11 @@ def test_a_frame_is_refused(tmp_path: Path) -> None:
     assert len(read(path, TUBE, frame=0)) == 1
     with pytest.raises(BadFileError, match=r"bed\.csv: frame 2 was asked for; a CSV file holds one packing"):
         read(path, TUBE, frame=2)
+
+
+def test_a_fact_of_thousands_of_digits_is_shown_short(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"# max_overlap: {'9' * 5000}x\nx [m],y [m],z [m],radius [m]\n0,0,0,1\n")
+    with pytest.raises(BadFileError, match=r"a\.csv, line 1: max_overlap '9+'\.\.\. is not understood") as caught:
+        read(path, Tube(9.0))
+    assert len(str(caught.value)) < 500

@@ -325,3 +325,17 @@ def test_whatever_a_name_holds_is_read_or_refused(tmp_path: Path, name: str, val
     else:
         assert held.radii is not None
         assert held.centers.shape == (len(held.radii), 3)
+
+
+def test_one_dataset_under_many_names_does_not_add_up(tmp_path: Path) -> None:
+    path = write_deck(tmp_path).with_name("deck_data") / "0.h5"
+    with h5py.File(path, "r+") as file:
+        types, shapes = file["TimestepData/0/ParticleTypes"], file["CreatorData/0/ParticleTypes"]
+        large = types.create_group("100")
+        large.create_dataset("position", (300_000, 3), "f8", chunks=True)
+        large.create_dataset("scale", (300_000,), "f8", chunks=True, fillvalue=1.0)
+        for number in range(101, 200):
+            types[str(number)] = large
+            shapes[str(number)] = shapes["0"]
+    with pytest.raises(BadFileError, match=r"0\.h5: its datasets hold \d+ bytes and more together, the file \d+"):
+        read(path, TUBE)

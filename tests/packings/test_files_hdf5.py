@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import struct
 from pathlib import Path
 
 import h5py
@@ -143,7 +144,7 @@ def without(name: str):
         (without("max_overlap"), "no attribute 'max_overlap'"),
         (lambda f: f["packing"].attrs.__setitem__("wall", "cone"), "the wall is 'cone'"),
         (lambda f: f["packing"].attrs.__setitem__("period", [1.0, 2.0, 3.0]), "'period' holds 3 numbers"),
-        (lambda f: f["packing"].attrs.__setitem__("max_overlap", "much"), "could not convert"),
+        (lambda f: f["packing"].attrs.__setitem__("max_overlap", "much"), "is not a number"),
         (
             lambda f: f["packing/provenance"].attrs.__setitem__("x", [1, 2]),
             r"provenance 'x' is .*; expected a text",
@@ -191,3 +192,62 @@ def test_provenance_that_cannot_be_kept_is_refused_before_a_file_appears(
     with pytest.raises(ValueError, match=f"provenance 'key'.*{message}"):
         write(packing, tmp_path / "a.h5")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["wall", "wall_radius", "schema_version", "max_overlap", "period"])
+def test_what_an_attribute_says_is_shown_short_and_on_one_line(tmp_path: Path, name: str) -> None:
+    write(Packing([[0.0, 0.0, 0.0]], 0.5, Tube(1.0)), tmp_path / "a.h5")
+    with h5py.File(tmp_path / "a.h5", "r+") as file:
+        file["packing"].attrs[name] = "a\n\x1b[31m" + "x" * 50_000
+    with pytest.raises(BadFileError) as caught:
+        read(tmp_path / "a.h5")
+    assert str(caught.value).isprintable()
+    assert len(str(caught.value)) < 500
+
+
+def test_a_crowd_that_the_file_allows_is_refused_all_the_same(tmp_path: Path) -> None:
+    # datasets that were never written take no room in the file, and are zeros
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        group = file.create_group("packing")
+        group.attrs.update({"schema_version": 1, "wall": "tube", "wall_radius": 9.0, "max_overlap": 1e9})
+        group.create_group("provenance")
+        group.create_dataset("centers", (60_000, 3), "f8", chunks=True).attrs["units"] = "m"
+        group.create_dataset("radii", (60_000,), "f8", chunks=True, fillvalue=1.0).attrs["units"] = "m"
+    with pytest.raises(BadFileError, match="60000 spheres of which more than 100 are in reach of each"):
+        read(tmp_path / "a.h5")
+
+
+@pytest.mark.parametrize("period", [1j, "0.1", np.ones((2, 2)), h5py.Empty("f8")])
+def test_a_period_that_is_no_number(tmp_path: Path, period: object) -> None:
+    write(Packing([[0.0, 0.0, 0.0]], 0.5, Tube(1.0)), tmp_path / "a.h5")
+    with h5py.File(tmp_path / "a.h5", "r+") as file:
+        file["packing"].attrs["period"] = period
+    with pytest.raises(BadFileError, match=r"'period' is .+; expected one or two numbers"):
+        read(tmp_path / "a.h5")
+
+
+def test_an_overlap_limit_that_is_no_real_number(tmp_path: Path) -> None:
+    write(Packing([[0.0, 0.0, 0.0]], 0.5, Tube(1.0)), tmp_path / "a.h5")
+    with h5py.File(tmp_path / "a.h5", "r+") as file:
+        file["packing"].attrs["max_overlap"] = 1j
+    with pytest.raises(BadFileError, match="the attribute 'max_overlap' is not a number"):
+        read(tmp_path / "a.h5")
+
+
+@pytest.mark.parametrize("size", [0, 8, 2**63, 2**64 - 8])
+def test_a_heap_of_texts_with_a_false_size(tmp_path: Path, size: int) -> None:
+    # the library would go through free space of no size for ever
+    path = tmp_path / "a.h5"
+    write(Packing([[0.0, 0.0, 0.0]], 0.5, Tube(1.0), provenance={"a": "text"}), path)
+    data = bytearray(path.read_bytes())
+    place, number = data.index(b"GCOL") + 16, 1
+    while number:
+        start = place
+        number, length = struct.unpack_from("<HxxxxxxQ", data, start)
+        place += 16 + -(-length // 8) * 8
+    struct.pack_into("<Q", data, start + 8, size)
+    path.write_bytes(data)
+    with pytest.raises(
+        BadFileError, match=r"a\.h5: damaged or cut-off HDF5 file \(a heap of texts with a false size\)"
+    ):
+        read(path)

@@ -293,3 +293,20 @@ def test_a_cut_off_gzip_file(tmp_path: Path) -> None:
     path.write_bytes(whole[:200] + bytes(50) + whole[250:])
     with pytest.raises(BadFileError, match=r"bed\.dump\.gz"):
         read(path, TUBE)
+
+
+def test_shares_of_a_box_beyond_all_numbers(tmp_path: Path) -> None:
+    path = tmp_path / "a.dump"
+    bounds = "-1e308 1e308\n" * 3
+    path.write_text(
+        f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp pp\n{bounds}"
+        "ITEM: ATOMS xs ys zs radius\n0.5 0.5 2 1\n"
+    )
+    with pytest.raises(BadFileError, match=r"sphere 0: centre .* is not finite"):
+        read(path, Tube(1.0), period=0)
+
+
+def test_an_integer_of_thousands_of_digits_is_shown_short(tmp_path: Path) -> None:
+    (tmp_path / "a.dump").write_text(f"ITEM: NUMBER OF ATOMS\n{'9' * 4000}\nITEM: ATOMS x y z radius\n")
+    with pytest.raises(BadFileError, match=r"line 2: the number of atoms is '9+'\.\.\.; expected an integer"):
+        read(tmp_path / "a.dump", Tube(1.0))

@@ -341,3 +341,13 @@ def test_damaged_files_are_taken_or_refused(
 ) -> None:
     takes_or_refuses(tmp_path_factory.getbasetemp() / "damaged.data", data)
     takes_or_refuses(tmp_path_factory.getbasetemp() / "damaged.restart", other)
+
+
+def test_a_boundary_whose_normal_is_almost_nothing(tmp_path: Path) -> None:
+    text = (DATA / "tube.restart").read_text()
+    line = next(line for line in text.splitlines() if line.startswith("PeriodicBoundary"))
+    words = line.split()
+    at = words.index("normal")
+    words[at + 1 : at + 4] = ["1e-320", "1e308", "0"]
+    (tmp_path / "a.restart").write_text(text.replace(line, " ".join(words)))
+    assert read(tmp_path / "a.restart", TUBE, max_overlap=2.0).period is None

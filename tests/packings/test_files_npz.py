@@ -330,3 +330,9 @@ def test_damaged_arrays_are_taken_or_refused(tmp_path_factory: pytest.TempPathFa
         archive.writestr("positions.npy", data)
         archive.writestr("radius.npy", npy(np.array(0.01)))
     takes_or_refuses(tmp_path_factory.getbasetemp() / "array.npz", stream.getvalue())
+
+
+def test_what_a_damaged_header_says_is_shown_short(tmp_path: Path) -> None:
+    with pytest.raises(BadFileError, match=r"bed\.npz: damaged or cut-off npz file") as caught:
+        read(zipped(tmp_path, {"positions.npy": header("{'descr': " + "x" * 5000 + "}")}), TUBE)
+    assert len(str(caught.value)) < 500

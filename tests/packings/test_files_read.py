@@ -302,3 +302,24 @@ def test_files_that_are_no_trajectory(tmp_path: Path) -> None:
 def test_a_name_with_wild_cards_that_is_there_is_a_file(tmp_path: Path) -> None:
     frame_file(tmp_path / "a[1].csv", 3.0)
     assert places(tmp_path / "a[1].csv", Tube(1.0)) == [3.0]
+
+
+@pytest.mark.parametrize("name", ["bed.dump", "bed.h5", "bed.dem", "bed.pvd"])
+def test_a_pipe_is_refused_and_not_waited_for(tmp_path: Path, name: str) -> None:
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(BadFileError, match=rf"{name}: a pipe or device; expected a file"):
+        read(tmp_path / name)
+
+
+def test_a_device_is_refused() -> None:
+    with pytest.raises(BadFileError, match="/dev/zero: a pipe or device; expected a file"):
+        read("/dev/zero")
+
+
+def test_numbers_whose_ratios_are_none_are_refused_without_a_warning(tmp_path: Path) -> None:
+    path = tmp_path / "bed.csv"
+    path.write_text("x [m],y [m],z [m],radius [m]\n0,0,0,1e-308\n0,0,9,1\n")
+    assert len(read(path, Tube(2.0))) == 2
+    path.write_text("x [m],y [m],z [m],radius [m]\n1e300,0,0,1e-300\n0,0,0,1e200\n")
+    with pytest.raises(BadFileError, match="reaches inf of its radius through the tube wall"):
+        read(path, Tube(1.0))

@@ -297,3 +297,13 @@ def test_damaged_files_are_read_or_refused(tmp_path_factory: pytest.TempPathFact
     else:
         assert np.isfinite(held.centers).all()
         assert held.radii is None or held.radii.shape == held.centers.shape[:1]
+
+
+@pytest.mark.parametrize("line", [2, 3])
+def test_a_long_line_of_the_header_is_shown_short(tmp_path: Path, line: int) -> None:
+    lines = ["# vtk DataFile Version 3.0", "title", "ASCII", "DATASET POLYDATA"]
+    lines[line] = "DATASET " + "x" * 3000
+    (tmp_path / "a.vtk").write_text("\n".join(lines) + "\n")
+    with pytest.raises(BadFileError, match=r"a\.vtk, line \d: .*expected (ASCII or BINARY|POLYDATA)") as caught:
+        read(tmp_path / "a.vtk")
+    assert len(str(caught.value)) < 500

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from bedrad import BadFileError, Tube
+from bedrad import BadFileError, Tube, read
 from bedrad.packings.files import read_frames
 from bedrad.packings.files.vtk_xml import iterate_vtk_xml, read_vtk_xml
 from packings.vtk_samples import DATA, SMALL, collection, plain, put
@@ -103,3 +104,18 @@ def test_a_time_in_several_parts_and_folders(tmp_path: Path) -> None:
     assert first.ids.tolist() == [1, 2, 4, 9]
     assert first.centers[:, 2].tolist() == [5, -1, -1, 2]
     assert (len(second.centers), second.provenance["time"]) == (2, 3.0)
+
+
+@pytest.mark.parametrize("name", ["a&#10;b.vtp", "&#x9b;31m.vtp", "x" * 501])
+def test_names_that_cannot_be_shown_are_not_followed(tmp_path: Path, name: str) -> None:
+    (tmp_path / "a.pvd").write_text(collection(name))
+    with pytest.raises(BadFileError, match=r"a\.pvd: names the file '.{1,100}'; expected one in the folder") as caught:
+        read(tmp_path / "a.pvd", Tube(1.0))
+    assert str(caught.value).isprintable()
+
+
+def test_a_pipe_among_the_pieces_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "b.vtp")
+    (tmp_path / "a.pvd").write_text(collection("b.vtp"))
+    with pytest.raises(BadFileError, match=r"b\.vtp: a pipe or device; expected a file"):
+        read(tmp_path / "a.pvd", Tube(1.0))

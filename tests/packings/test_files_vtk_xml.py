@@ -297,6 +297,20 @@ def small_block(size: int, claimed: int, last: int = 0, blocks: int = 1) -> str:
     )
 
 
+def claiming(compressor: str, kind: str, size: int, ratio: int) -> str:
+    """SMALL with a million points that claim to be packed so well."""
+    data = base64.b64encode(struct.pack("<4I", 1, size, 0, size // ratio) + bytes(size // ratio)).decode()
+    text = SMALL.replace('"1.0" byte', f'"1.0" compressor="{compressor}" byte').replace(
+        'Points="2"', 'Points="1000000"'
+    )
+    text = (
+        text.replace('Name="id"', 'Name="no"')
+        .replace('Name="radius"', 'Name="no"')
+        .replace('"Float64" Num', f'"{kind}" Num')
+    )
+    return text.replace('ascii">0 0 2\n0 0 -1', f'binary">{data}')
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -321,6 +335,9 @@ def small_block(size: int, claimed: int, last: int = 0, blocks: int = 1) -> str:
             .replace("9 4<", "9 " * 10**6 + "<"),
             "array '': 23334 bytes claim to be 24000000, packed; expected at most 1:100",
         ),
+        # bytes that grow to numbers of eight, and a packing that makes next to nothing of a repetition
+        (claiming("vtkZLibDataCompressor", "Int8", 3 * 10**6, 20), "to be 3000000, packed; expected at most 1:100"),
+        (claiming("vtkLZMADataCompressor", "Float64", 24 * 10**6, 200), "to be 24000000, packed; expected at most"),
         (
             appended(struct.pack("<Q", 24 * 10**16) + bytes(99), b"", count=10**16),
             "array 'P': cut off: 124 bytes of 24",

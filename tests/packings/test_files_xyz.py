@@ -209,3 +209,10 @@ def test_a_cut_off_gzip_file(tmp_path: Path) -> None:
 @given(mutated([(DATA / name).read_bytes() for name in SAMPLES]))
 def test_damaged_files_are_taken_or_refused(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
     takes_or_refuses(tmp_path_factory.getbasetemp() / "damaged.xyz", data)
+
+
+def test_blank_rows_are_refused_without_a_warning(tmp_path: Path) -> None:
+    path = tmp_path / "a.xyz"
+    path.write_text("2\n\n\n\n")
+    with pytest.raises(BadFileError, match=r"a\.xyz, line 3: 0 fields; a row of frame 0 has at least 4"):
+        read(path, Tube(1.0))

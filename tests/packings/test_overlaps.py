@@ -153,3 +153,10 @@ def test_a_bed_that_is_no_crowd_is_searched_whole_whatever_is_enough():
 def test_spheres_strewn_beyond_all_measure_are_no_harm():
     centers = np.array([[0.0, 0.0, 0.0], [1e100, 0.0, 0.0], [1e100, 0.0, 0.0], [-1e100, 1.0, 0.0]])
     assert worst_overlap(centers, np.ones(4)) == Overlap(1, 2, 2.0)
+
+
+def test_a_crowd_is_refused_where_all_of_it_is_allowed():
+    with pytest.raises(ValueError, match="20000 spheres of which more than 100 are in reach of each"):
+        worst_overlap(np.zeros((20_000, 3)), np.ones(20_000), enough=2.0)
+    # as many as a soft bed may have are none
+    assert worst_overlap(np.zeros((90, 3)), np.ones(90), enough=2.0).share == 2.0

@@ -49,7 +49,7 @@ COLUMNS = {
 """Columns of a table and their SI units; ``T at r = 1.5 mm`` for readings across the tube and ``run`` come beside."""
 
 _ERRORS = {f"{name} error": unit for name, unit in COLUMNS.items() if name != "position"} | {"T error": "K"}
-_TITLE = re.compile(r"\s*(?P<name>[^\[]*?)\s*(?:\[(?P<unit>[^\]]*)\])?\s*")
+_TITLE = re.compile(r"(?P<name>[^\[]*)(?:\[(?P<unit>[^\]]*)\])?")
 _RADIAL = re.compile(r"t\s*(?:at|@)?\s*\(?\s*r\s*=\s*(?P<radius>[^()]+?)\s*\)?", re.IGNORECASE)
 _MOST_ROWS = 100_000
 _MOST_BYTES = 1 << 26
@@ -78,7 +78,7 @@ class _Line:
 
 def _column(title: str, path: Path, line: int) -> _Column | None:
     """What a title says; None for a note."""
-    match = _TITLE.fullmatch(title)
+    match = _TITLE.fullmatch(title.strip())
     name = " ".join(match["name"].lower().split()) if match else ""
     if name == "run":
         return _Column("run", title, math.nan, 0.0, 1.0)

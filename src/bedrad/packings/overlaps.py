@@ -29,6 +29,9 @@ _CROWD = 32
 _CROWDED = 100
 """Pairs within reach for each sphere above which they cannot be the spheres of a packing."""
 
+_MOST_PAIRS = 2 * 10**7
+"""Pairs in reach that are looked at in a crowd whose overlaps are all allowed: short periods crowd a few spheres."""
+
 
 @dataclass(frozen=True)
 class Overlap:
@@ -85,6 +88,11 @@ def worst_overlap(
     enough : float
         An overlap deeper than this ends the search where spheres crowd as they cannot in a packing, as the search
         would take the square of their number.
+
+    Raises
+    ------
+    ValueError
+        If they crowd so although no overlap is deeper than what is enough.
     """
     worst: Overlap | None = None
     seen = 0
@@ -97,8 +105,13 @@ def worst_overlap(
             deep = Overlap(int(found.first[best]), int(found.second[best]), float(share[best]))
             if worst is None or (-deep.share, deep.first, deep.second) < (-worst.share, worst.first, worst.second):
                 worst = deep
-        if worst is not None and worst.share > enough and seen > _CROWDED * len(radii):
-            break
+        if seen > _CROWDED * len(radii):
+            if worst is not None and worst.share > enough:
+                break
+            if math.isfinite(enough) and seen > _MOST_PAIRS:
+                raise ValueError(
+                    f"{len(radii)} spheres of which more than {_CROWDED} are in reach of each; no packing is so crowded"
+                )
     return worst
 
 

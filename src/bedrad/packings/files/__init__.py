@@ -34,7 +34,17 @@ from bedrad.packings.wall_fit import WALL_KINDS, WallKind
 from bedrad.packings.wall_stl import WallSurface, read_wall_stl
 from bedrad.walls import Wall
 
-__all__ = ["FORMATS", "Format", "load_packing", "read", "read_frames", "save_packing", "write"]
+__all__ = [
+    "FORMATS",
+    "Format",
+    "count_frames",
+    "files_of",
+    "load_packing",
+    "read",
+    "read_frames",
+    "save_packing",
+    "write",
+]
 
 PathLike = str | os.PathLike[str]
 
@@ -165,8 +175,19 @@ def read_frames(
         If nothing matches a pattern, or a folder holds files of several kinds; else as for `read`.
     """
     options = Options(_wall(wall, unit, wall_unit), diameter, period, max_overlap, unit, axis, origin)
-    suffixes = tuple(dict.fromkeys(suffix for form in FORMATS for suffix in form.suffixes))
-    return _packings(source_files(path, suffixes), columns, options)
+    return _packings(files_of(path), columns, options)
+
+
+def files_of(path: Source) -> list[Path]:
+    """Return the files that `read_frames` reads, in order; BadFileError as there."""
+    return source_files(path, tuple(dict.fromkeys(suffix for form in FORMATS for suffix in form.suffixes)))
+
+
+def count_frames(path: PathLike, columns: Mapping[str, str | int] | None = None) -> int:
+    """Return the number of frames in a file, which is read through for it; errors as for `read`."""
+    source = Path(path)
+    form = _recognise(source)
+    return sum(1 for _ in form.frames(source, *_columns(source, form, columns)))
 
 
 def _packings(paths: Sequence[Path], columns: Mapping[str, str | int] | None, options: Options) -> Iterator[Packing]:

@@ -107,9 +107,9 @@ def make_wall(kind: object, radius: object) -> Wall:
     for shape in (Tube, Rod):
         if kind == shape.kind:
             if not isinstance(radius, (int, float, np.floating, np.integer)):
-                raise ValueError(f"the {kind} wall has the radius {radius!r}; expected a number of metres")
+                raise ValueError(f"the {kind} wall has the radius {radius!r:.40}; expected a number of metres")
             return shape(float(radius))
-    raise ValueError(f"the wall is {kind!r}; expected {Tube.kind!r}, {Rod.kind!r} or {Plate.kind!r}")
+    raise ValueError(f"the wall is {kind!r:.40}; expected {Tube.kind!r}, {Rod.kind!r} or {Plate.kind!r}")
 
 
 def plain_value(key: str, value: object) -> str | float | int:
@@ -126,4 +126,4 @@ def plain_value(key: str, value: object) -> str | float | int:
         return float(value)
     if isinstance(value, (int, np.integer)) and -(2**63) <= int(value) < 2**63:
         return int(value)
-    raise ValueError(f"provenance {key!r} is {value!r}; expected a text, a float or a 64-bit integer")
+    raise ValueError(f"provenance {key!r:.40} is {value!r:.40}; expected a text, a float or a 64-bit integer")

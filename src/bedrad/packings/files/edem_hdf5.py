@@ -13,7 +13,15 @@ from numpy.typing import NDArray
 
 from bedrad.errors import BadFileError
 from bedrad.packings.files.contents import Contents
-from bedrad.packings.files.hdf5_access import holds, member, number_attribute, open_hdf5, read_array, where
+from bedrad.packings.files.hdf5_access import (
+    check_together,
+    holds,
+    member,
+    number_attribute,
+    open_hdf5,
+    read_array,
+    where,
+)
 from bedrad.packings.files.ids import id_order
 
 __all__ = ["is_edem", "iterate_edem", "read_edem"]
@@ -137,6 +145,7 @@ def _read_step(deck: Path, step: _Step, index: int) -> Contents:
     centers: list[FloatArray] = [np.empty((0, 3))]
     radii: list[FloatArray] = [np.empty(0)]
     ids: list[NDArray[np.int64]] = [np.empty(0, np.int64)]
+    held = 0
     with open_hdf5(step.path) as file:
         group = _group(_group(file, _STEPS), step.name)
         types = _group(group, _TYPES[0])
@@ -146,6 +155,8 @@ def _read_step(deck: Path, step: _Step, index: int) -> Contents:
             particles = _particles(_group(types, name))
             if particles is not None:
                 position, scales[name], number = particles
+                held += position.nbytes
+                check_together(file, held)
                 centers.append(position)
                 ids.append(number)
     sizes = _physical_radii(deck, step.path, list(scales))

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from bedrad.errors import BadFileError
+from bedrad.errors import BadFileError, visible
 from bedrad.packings.files.contents import describe_wall, make_wall, plain_value
 from bedrad.packings.files.text import shown
 from bedrad.packings.packing import Packing, Provenance
@@ -83,8 +83,9 @@ class Facts:
             try:
                 read[key] = FACTS[key](text)
             except (ValueError, RecursionError) as error:
+                reason = visible(str(error))[:200]
                 raise BadFileError(
-                    f"{self.path}, line {line}: {key} {shown(text)} is not understood: {error}"
+                    f"{self.path}, line {line}: {key} {shown(text)} is not understood: {reason}"
                 ) from error
         return read
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bedrad import __version__
-from bedrad.errors import BadFileError
+from bedrad.errors import BadFileError, visible
 from bedrad.packings.files.contents import Contents, describe_wall, make_wall, plain_value
-from bedrad.packings.files.hdf5_access import member, open_hdf5, read_array, where
+from bedrad.packings.files.hdf5_access import member, number_attribute, open_hdf5, read_array, where
 from bedrad.packings.packing import Packing, Provenance
 
 __all__ = [
@@ -138,7 +138,9 @@ def _contents(group: h5py.Group) -> Contents:
     place = where(group)
     version = group.attrs.get("schema_version")
     if version != SCHEMA_VERSION:
-        raise BadFileError(f"{place} has the schema_version {version}; this bedrad reads {SCHEMA_VERSION}")
+        raise BadFileError(
+            f"{place} has the schema_version {visible(str(version))[:40]}; this bedrad reads {SCHEMA_VERSION}"
+        )
     centers, radii = (_dataset(group, name) for name in ("centers", "radii"))
     if centers.ndim != 2 or centers.shape[1] != 3 or radii.shape != centers.shape[:1]:
         raise BadFileError(
@@ -153,13 +155,13 @@ def _contents(group: h5py.Group) -> Contents:
             wall=make_wall(group.attrs.get("wall"), group.attrs.get("wall_radius")),
             period=_period(group.attrs.get("period")),
             provenance=_notes(group),
-            max_overlap=float(group.attrs["max_overlap"]),
+            max_overlap=number_attribute(group, "max_overlap"),
             states_unit=True,
         )
     except BadFileError:
         raise
     except (TypeError, ValueError) as error:
-        raise BadFileError(f"{place}: {error}") from error
+        raise BadFileError(f"{place}: {visible(str(error))[:200]}") from error
 
 
 def _dataset(group: h5py.Group, name: str) -> NDArray[np.float64]:
@@ -171,14 +173,17 @@ def _dataset(group: h5py.Group, name: str) -> NDArray[np.float64]:
         raise BadFileError(f"{place}: dataset {name!r} holds {dataset.dtype}; expected floating-point numbers")
     units = dataset.attrs.get("units")
     if units != "m":
-        raise BadFileError(f"{place}: dataset {name!r} has the units {units!r}; expected 'm'")
+        raise BadFileError(f"{place}: dataset {name!r} has the units {units!r:.40}; expected 'm'")
     return np.asarray(read_array(dataset), dtype=np.float64)
 
 
 def _period(stored: object) -> float | tuple[float, float] | None:
     if stored is None:
         return None
-    values = [float(v) for v in np.atleast_1d(np.asarray(stored))]
+    given = np.atleast_1d(np.asarray(stored))
+    if given.dtype.kind not in "fiu" or given.ndim != 1:
+        raise ValueError(f"the attribute 'period' is {stored!r:.40}; expected one or two numbers")
+    values = [float(v) for v in given]
     if len(values) not in (1, 2):
         raise ValueError(f"the attribute 'period' holds {len(values)} numbers; expected 1 or 2")
     return values[0] if len(values) == 1 else (values[0], values[1])
@@ -192,4 +197,4 @@ def _notes(group: h5py.Group) -> Provenance:
 
 
 def _listing(names: Iterable[str]) -> str:
-    return ", ".join(sorted(names)) or "nothing"
+    return visible(", ".join(sorted(names)))[:200] or "nothing"

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import mmap
+import struct
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,15 +13,25 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from bedrad.errors import BadFileError
+from bedrad.errors import BadFileError, visible
+from bedrad.packings.files.text import is_ordinary
 
-__all__ = ["holds", "member", "number_attribute", "open_hdf5", "read_array", "where"]
+__all__ = ["check_together", "holds", "member", "number_attribute", "open_hdf5", "read_array", "where"]
 
 _SMALL = 1 << 24
 """Arrays up to this size are read however little is stored of them. [bytes]"""
 
 _COMPRESSION = 100
 """How many times its stored size a larger array may have; coordinates shrink to a half or a third."""
+
+
+_HEAP = b"GCOL\x01\0\0\0"
+_HEAP_HEAD = 16
+_OBJECT = struct.Struct("<HHxxxxQ")
+"""How a global heap begins, with its size behind, and how each object in it does: number, references, size."""
+
+_LONGEST = 200
+"""What of a name or a reason stands in a message. [characters]"""
 
 
 @contextmanager
@@ -32,6 +44,9 @@ def open_hdf5(path: Path) -> Iterator[h5py.File]:
         If it cannot be opened or is damaged, also while it is read.
     """
     try:
+        if not is_ordinary(path):
+            raise BadFileError(f"{path}: a pipe or device; expected a file")
+        _check_heaps(path)
         with h5py.File(path, "r") as file:
             yield file
     except BadFileError:
@@ -40,13 +55,37 @@ def open_hdf5(path: Path) -> Iterator[h5py.File]:
         raise BadFileError(f"{path}: no such file") from error
     # h5py tells of damage by any of these
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError) as error:
-        raise BadFileError(f"{path}: damaged or cut-off HDF5 file ({error})") from error
+        reason = visible(str(error))[:_LONGEST]
+        raise BadFileError(f"{path}: damaged or cut-off HDF5 file ({reason})") from error
+
+
+def _check_heaps(path: Path) -> None:
+    """Walk through the heaps in which texts are kept: the library (2.0.0) never ends where an object has no size."""
+    if not path.stat().st_size:
+        return
+    with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        heap = data.find(_HEAP)
+        while heap >= 0:
+            if heap + _HEAP_HEAD > len(data):
+                break
+            (size,) = struct.unpack_from("<Q", data, heap + len(_HEAP))
+            place, end = heap + _HEAP_HEAD, heap + size
+            while place + _OBJECT.size <= end:
+                if end > len(data):
+                    raise BadFileError(f"{path}: damaged or cut-off HDF5 file (a heap of texts ends beyond it)")
+                number, _, length = _OBJECT.unpack_from(data, place)
+                # free space counts its own head, an object does not and is filled up to eight bytes
+                taken = length if number == 0 else _OBJECT.size + -(-length // 8) * 8
+                if not _OBJECT.size <= taken <= end - place:
+                    raise BadFileError(f"{path}: damaged or cut-off HDF5 file (a heap of texts with a false size)")
+                place += taken
+            heap = data.find(_HEAP, heap + _HEAP_HEAD)
 
 
 def where(item: h5py.Group | h5py.Dataset) -> str:
     """File and place of a group or dataset, for messages."""
     kind = "dataset" if isinstance(item, h5py.Dataset) else "group"
-    return f"{item.file.filename}: {kind} {item.name}"
+    return f"{item.file.filename}: {kind} {visible(str(item.name))[:_LONGEST]}"
 
 
 def holds(group: h5py.Group, name: str) -> bool:
@@ -134,6 +173,28 @@ def read_array(
             )
     read: NDArray[np.generic] = np.asarray(dataset.fields(list(fields))[()] if fields else dataset[()])
     return read
+
+
+def check_together(file: h5py.File, size: int) -> None:
+    """Refuse what many datasets of a file hold together, if it is much larger than the file.
+
+    Each may be small, stored nowhere, or the same one under many names.
+
+    Parameters
+    ----------
+    file : h5py.File
+        The file.
+    size : int
+        What was read of it. [bytes]
+
+    Raises
+    ------
+    BadFileError
+        If it is more than any file of this size can hold.
+    """
+    stored = file.id.get_filesize()
+    if size > max(_SMALL, _COMPRESSION * stored):
+        raise BadFileError(f"{file.filename}: its datasets hold {size} bytes and more together, the file {stored}")
 
 
 def _raw(name: str) -> bytes:

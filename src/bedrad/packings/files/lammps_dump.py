@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from bedrad.errors import BadFileError
 from bedrad.packings.files.contents import Contents
 from bedrad.packings.files.frames import Frame, FrameFile, frame_rows
@@ -23,6 +25,7 @@ _NO_UNITS = "lj"
 _POSITIONS = (("x", "y", "z"), ("xs", "ys", "zs"), ("xu", "yu", "zu"), ("xsu", "ysu", "zsu"))
 _ITEM = "ITEM:"
 _LARGEST_COUNT = 10**18
+_LONGEST_INTEGER = 40
 
 
 @dataclass
@@ -117,6 +120,8 @@ def _read_bounds(lines: Lines, header: _Header, words: list[str]) -> None:
 def _integer(lines: Lines, what: str) -> int:
     text = lines.wanted(what).strip()
     try:
+        if len(text) > _LONGEST_INTEGER:
+            raise ValueError
         return int(text)
     except ValueError:
         raise lines.error(f"{what} is {shown(text)}; expected an integer") from None
@@ -161,7 +166,9 @@ def _name_positions(where: str, header: _Header, form: tuple[str, ...], table: T
         column = table.columns.pop(name)
         if scaled and header.bounds is not None:
             low, high = header.bounds[axis]
-            column = low + column * (high - low)
+            # what is beyond all numbers is found where the spheres are checked
+            with np.errstate(over="ignore", invalid="ignore"):
+                column = low + column * np.subtract(high, low)
         table.columns["xyz"[axis]] = column
 
 

@@ -95,7 +95,7 @@ def _read_head(lines: Lines) -> _Head:
                 head.count = _particle_count(lines, fields)
                 if head.dimensions != "3":
                     raise BadFileError(
-                        f"{lines.path}: a state in {head.dimensions} dimensions; only spheres in space are read"
+                        f"{lines.path}: a state in {head.dimensions[:40]} dimensions; only spheres in space are read"
                     )
                 return head
         elif section == "Walls":
@@ -150,7 +150,7 @@ def _read_boundary(lines: Lines, head: _Head, fields: list[str]) -> None:
         head.unused[fields[0]] += 1
         return
     normal = _after(lines, fields, "normal", 3)
-    length = float(np.linalg.norm(normal))
+    length = math.hypot(*normal.tolist())
     if not (math.isfinite(length) and length > 0):
         raise lines.error(f"PeriodicBoundary: the normal is {normal.tolist()}; expected a direction")
     left_name, right_name = next((pair for pair in _DISTANCES if pair[0] in fields), _DISTANCES[0])
@@ -158,10 +158,10 @@ def _read_boundary(lines: Lines, head: _Head, fields: list[str]) -> None:
     if not left < right:
         raise lines.error(f"PeriodicBoundary: {left_name} is {left} and {right_name} is {right}; expected left < right")
     axis = int(np.argmax(np.abs(normal)))
-    across = np.abs(np.delete(normal, axis)).max() / length
+    across = float(np.abs(np.delete(normal, axis)).max()) / length
     if "shift" in fields:
         shift = _after(lines, fields, "shift", 3)
-        across = max(across, np.abs(np.delete(shift, axis)).max() / (right - left))
+        across = max(across, float(np.abs(np.delete(shift, axis)).max()) / (right - left))
     if across > _MAXIMUM_TILT:
         # planes that are tilted, or shifted against each other, are no period of an axis
         head.unused["tilted PeriodicBoundary"] += 1

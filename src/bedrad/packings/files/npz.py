@@ -18,7 +18,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bedrad.errors import BadFileError
+from bedrad.errors import BadFileError, visible
 from bedrad.packings.files.contents import Contents
 from bedrad.packings.placing import Placing, turn_to_z
 from bedrad.walls import Tube
@@ -94,9 +94,8 @@ def read_npz(path: Path) -> Contents:
         entries = _listed(path, archive)
         place = _first(POSITIONS, entries)
         if place is None:
-            raise BadFileError(
-                f"{path}: no array {', '.join(POSITIONS)}; it holds {', '.join(sorted(entries))[:200] or 'nothing'}"
-            )
+            held = visible(", ".join(sorted(entries)))[:200] or "nothing"
+            raise BadFileError(f"{path}: no array {', '.join(POSITIONS)}; it holds {held}")
         centers = _numbers(path, archive, place, entries[place])
         if centers.ndim != 2 or centers.shape[1] != 3:
             flat = "; packings of discs are not read" if centers.ndim == 2 and centers.shape[1] == 2 else ""
@@ -119,7 +118,7 @@ def _refusing(path: Path) -> Iterator[None]:
     except BadFileError:
         raise
     except _BROKEN as error:
-        raise BadFileError(f"{path}: damaged or cut-off npz file ({error})") from error
+        raise BadFileError(f"{path}: damaged or cut-off npz file ({visible(str(error))[:200]})") from error
 
 
 def _listed(path: Path, archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:

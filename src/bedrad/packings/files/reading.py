@@ -106,17 +106,19 @@ def as_packing(path: Path, held: Contents, options: Options) -> Packing:
         raise ValueError(f"an origin was given, but no wall, so that the tube around the bed of {path} is fitted")
     provenance = dict(held.provenance)
     try:
-        held = _placed(held, options, provenance)
-        wall, held = _walled(held, radii, options, provenance)
-        limit = options.max_overlap if options.max_overlap is not None else held.max_overlap
-        return Packing(
-            held.centers,
-            radii,
-            wall,
-            _period(held, wall, options.period),
-            provenance,
-            LARGEST_OVERLAP if limit is None else limit,
-        )
+        # numbers whose squares or ratios are none any more: what comes of them is compared, and refused
+        with np.errstate(over="ignore", invalid="ignore"):
+            held = _placed(held, options, provenance)
+            wall, held = _walled(held, radii, options, provenance)
+            limit = options.max_overlap if options.max_overlap is not None else held.max_overlap
+            return Packing(
+                held.centers,
+                radii,
+                wall,
+                _period(held, wall, options.period),
+                provenance,
+                LARGEST_OVERLAP if limit is None else limit,
+            )
     except ValueError as error:
         raise BadFileError(f"{path}: {error}{_origins(held, str(error))}") from error
 

@@ -154,7 +154,7 @@ class RegularRows:
         """The same, where every line is a row of finite numbers with the right number of fields."""
         text = b"\n".join(lines)
         # some bytes of UTF-8 are white space to NumPy
-        if not text.isascii() or b'"' in text:
+        if not text.isascii() or b'"' in text or not text.strip():
             return None
         if not self.open_end and _fields(text, len(lines), self.separator) != self.width * len(lines):
             return None

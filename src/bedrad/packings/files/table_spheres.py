@@ -115,9 +115,13 @@ def rounding_notes(centers: FloatArray, radii: FloatArray | None) -> dict[str, s
         return {}
     notes: dict[str, str | float | int] = {"position_digits": digits}
     if radii is not None and radii.min() > 0:
-        # every coordinate of both centres may be half a unit of its last digit off, and so may both radii
-        apart = 2 * math.sqrt(3) * _half_unit(float(np.abs(centers).max()), digits)
-        notes["gap_rounding_radii"] = float((apart + 2 * _half_unit(float(radii.max()), digits)) / float(radii.mean()))
+        with np.errstate(over="ignore"):
+            reach, largest, mean = (float(value) for value in (np.abs(centers).max(), radii.max(), radii.mean()))
+        # beyond that there are no spheres, but numbers that are refused where they are checked
+        if max(reach, mean) < math.inf:
+            # every coordinate of both centres may be half a unit of its last digit off, and so may both radii
+            apart = 2 * math.sqrt(3) * _half_unit(reach, digits)
+            notes["gap_rounding_radii"] = (apart + 2 * _half_unit(largest, digits)) / mean
     return notes
 
 

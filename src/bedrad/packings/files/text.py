@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import io
+import stat
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,7 +13,7 @@ from typing import BinaryIO, cast
 
 from bedrad.errors import BadFileError
 
-__all__ = ["first_bytes", "open_bytes", "shown"]
+__all__ = ["first_bytes", "is_ordinary", "open_bytes", "shown"]
 
 _GZIP_MAGIC = b"\x1f\x8b"
 
@@ -33,6 +34,18 @@ def first_bytes(path: Path, count: int = 8192) -> bytes:
         return stream.read(count)
 
 
+def is_ordinary(path: Path) -> bool:
+    """Whether a path leads to a file or folder, and not to a pipe, which may never answer, or a device without end.
+
+    Raises
+    ------
+    OSError
+        If it leads nowhere.
+    """
+    mode = path.stat().st_mode
+    return stat.S_ISREG(mode) or stat.S_ISDIR(mode)
+
+
 @contextmanager
 def open_bytes(path: Path) -> Iterator[BinaryIO]:
     """Open a file, gzip or plain, for reading.
@@ -40,10 +53,12 @@ def open_bytes(path: Path) -> Iterator[BinaryIO]:
     Raises
     ------
     BadFileError
-        If it cannot be opened, or the gzip stream is broken, cut off, or unpacks to far more than any table of spheres
-        does, also while it is read.
+        If it cannot be opened, is a pipe or device, or the gzip stream is broken, cut off, or unpacks to far more than
+        any table of spheres does, also while it is read.
     """
     try:
+        if not is_ordinary(path):
+            raise BadFileError(f"{path}: a pipe or device; expected a file")
         with path.open("rb") as stream:
             packed = stream.read(len(_GZIP_MAGIC)) == _GZIP_MAGIC
             stream.seek(0)

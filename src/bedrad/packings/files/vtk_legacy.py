@@ -115,11 +115,11 @@ class _Reader:
         self._read_line("the title")
         form = self._words("ASCII or BINARY")
         if len(form) != 1 or form[0].lower() not in ("ascii", "binary"):
-            raise self._error(f"{' '.join(form)!r}; expected ASCII or BINARY")
+            raise self._error(f"{' '.join(form)[:80]!r}; expected ASCII or BINARY")
         self._text = form[0].lower() == "ascii"
         words = self._words("DATASET")
         if len(words) != 2 or words[0].lower() != "dataset":
-            raise self._error(f"{' '.join(words)!r}; expected DATASET and its kind")
+            raise self._error(f"{' '.join(words)[:80]!r}; expected DATASET and its kind")
         kind = words[1].upper()
         if kind == "RECTILINEAR_GRID":
             raise self._error(
@@ -127,7 +127,7 @@ class _Reader:
                 "spheres, give the frame itself"
             )
         if kind not in _DATASETS:
-            raise self._error(f"the data set is {words[1]!r}; expected {' or '.join(_DATASETS)}")
+            raise self._error(f"the data set is {words[1][:40]!r}; expected {' or '.join(_DATASETS)}")
 
     def read_sections(self) -> None:
         """Read all sections that follow."""

@@ -7,13 +7,17 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path, PureWindowsPath
 
-from bedrad.errors import BadFileError
+from bedrad.errors import BadFileError, visible
 from bedrad.packings.files.contents import Contents
 from bedrad.packings.files.facts import FACTS
 from bedrad.packings.files.vtk_points import Piece, spheres
 from bedrad.packings.files.vtk_xml_document import COLLECTION, PARALLEL, Document, parse
 
 __all__ = ["iterate_vtk_xml", "looks_like_vtk_xml", "read_vtk_xml"]
+
+
+_LONGEST_NAME = 500
+"""What the name of another file may have, its folders included. [characters]"""
 
 
 def looks_like_vtk_xml(head: bytes) -> bool:
@@ -108,7 +112,8 @@ def _one(path: Path, document: Document) -> Contents:
         try:
             understood[key] = FACTS[key](text)
         except (ValueError, RecursionError) as error:
-            raise BadFileError(f"{path}: {key} {text[:80]!r} is not understood: {error}") from error
+            reason = visible(str(error))[:200]
+            raise BadFileError(f"{path}: {key} {text[:80]!r} is not understood: {reason}") from error
     return replace(held, states_unit=True, **understood)  # type: ignore[arg-type]
 
 
@@ -130,7 +135,8 @@ def _beside(path: Path, names: list[str]) -> list[Path]:
     for name in names:
         # of Windows, as it takes both kinds of stroke for the border between folders
         parts = PureWindowsPath(name)
-        outside = not name.strip() or "\0" in name or bool(parts.anchor) or ".." in parts.parts
+        odd = not name.strip() or not name.isprintable() or len(name) > _LONGEST_NAME
+        outside = odd or bool(parts.anchor) or ".." in parts.parts
         file = path.parent if outside else path.parent.joinpath(*parts.parts)
         try:
             whole = file.resolve()

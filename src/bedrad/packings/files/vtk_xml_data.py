@@ -37,7 +37,13 @@ TYPES = {
 
 _ORDERS = {"LittleEndian": "<", "BigEndian": ">"}
 _HEADERS = {"UInt32": "u4", "UInt64": "u8"}
+_Unpack = Callable[[bytearray, int], bytes]
+
 _LZMA_MEMORY = 1 << 28
+_MOST = 100
+"""How often the packed size points may have, as numbers of eight bytes. Points of spheres differ from each other: they
+shrink to a half or a third, the most regular ones, a lattice, to a tenth (zlib). So a small file cannot claim much
+memory for points that it does not hold; the other arrays have one number a point."""
 _LARGEST_BLOCK = 1 << 31
 _CHUNK = 1 << 20
 _LONGEST_NUMBER = 4096
@@ -54,26 +60,13 @@ class Layout:
         The byte order as NumPy writes it.
     header : numpy.dtype
         The type of the counts before the numbers.
-    packing : _Packing or None
-        How blocks are packed; None if nothing is.
+    packing : callable or None
+        Unpacks a block to at most so many bytes; None if nothing is packed.
     """
 
     order: str
     header: np.dtype[Any]
-    packing: _Packing | None
-
-
-@dataclass(frozen=True)
-class _Packing:
-    """How to unpack a block to at most so many bytes, and how often the packed size distinct numbers may have.
-
-    Points of spheres differ from each other. The most regular ones, a lattice, shrink to a tenth (zlib) or to 1/200
-    (lzma). So a small file cannot claim much memory for points that it does not hold; the other arrays have one number
-    a point.
-    """
-
-    unpack: Callable[[bytearray, int], bytes]
-    most: int
+    packing: _Unpack | None
 
 
 def make_layout(where: str, byte_order: str, header_type: str, compressor: str) -> Layout:
@@ -194,7 +187,8 @@ def _numbers(
     if layout.packing is None:
         data = _plain(layout, where, source, wanted)
     else:
-        data = _unpacked(layout, layout.packing, where, source, wanted, distinct)
+        # numbers of one byte grow to eight where they are used
+        data = _unpacked(layout, layout.packing, where, source, wanted, 8 // form.itemsize if distinct else 0)
     if len(data) % form.itemsize:
         raise BadFileError(f"{where}: {len(data)} bytes are no whole number of {kind}")
     return np.frombuffer(data, dtype=form)
@@ -207,7 +201,7 @@ def _plain(layout: Layout, where: str, source: Readable, wanted: int | None) -> 
 
 
 def _unpacked(
-    layout: Layout, packing: _Packing, where: str, source: Readable, wanted: int | None, distinct: bool
+    layout: Layout, unpack: _Unpack, where: str, source: Readable, wanted: int | None, grown: int
 ) -> bytearray:
     blocks = _counts(layout, where, source, 1)[0]
     if not blocks:
@@ -224,16 +218,14 @@ def _unpacked(
     size = (blocks - 1) * block + (last or block)
     _check_size(where, size, wanted)
     packed = _counts(layout, where, source, blocks)
-    if distinct and size > packing.most * sum(packed):
-        raise BadFileError(
-            f"{where}: {sum(packed)} bytes claim to be {size}, packed; expected at most 1:{packing.most}"
-        )
+    if grown * size > _MOST * sum(packed):
+        raise BadFileError(f"{where}: {sum(packed)} bytes claim to be {size}, packed; expected at most 1:{_MOST}")
     data = bytearray()
     for number, length in enumerate(packed):
         expected = block if number + 1 < blocks else last or block
         try:
             # one byte more than declared shows a block that would be larger
-            part = packing.unpack(_exactly(where, source, length), expected + 1)
+            part = unpack(_exactly(where, source, length), expected + 1)
         except (zlib.error, lzma.LZMAError, EOFError, MemoryError) as error:
             raise BadFileError(f"{where}: block {number} is damaged ({error})") from error
         if len(part) != expected:
@@ -268,8 +260,8 @@ def _unpack_lzma(packed: bytearray, most: int) -> bytes:
 
 
 _PACKINGS = {
-    "vtkZLibDataCompressor": _Packing(_unpack_zlib, 100),
-    "vtkLZMADataCompressor": _Packing(_unpack_lzma, 1000),
+    "vtkZLibDataCompressor": _unpack_zlib,
+    "vtkLZMADataCompressor": _unpack_lzma,
 }
 
 
