@@ -1,6 +1,7 @@
 """The examples run, and give what they promise."""
 
 import importlib.util
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 import bedrad
 from bedrad import heat
+from bedrad.jobs.ensemble import run_ensemble
 from bedrad.jobs.job import parse_job
 from bedrad.jobs.pipeline import run_job
 
@@ -92,3 +94,29 @@ def test_flow_statistics_of_a_shorter_flow(capsys):
     assert np.abs(shares - other).max() < 4.8 * 2e-3 * np.sqrt(2 / 3)
     # frames half a diameter apart tell little more than one: the error is that of a bed, not of the rays
     assert errors[0] > 2e-3
+
+
+@pytest.mark.dem
+def test_ensemble_as_a_shorter_sweep(tmp_path):
+    """Two sizes of low beds: smaller spheres leave more of the wall covered by more of them."""
+    text = (EXAMPLES / "ensemble.toml").read_text()
+    for old, new in (
+        ('height = "18 mm"', 'height = "5.4 mm"\nstiffness = "40 N/m"'),
+        ("seed = [1, 2, 3]", "seed = [2]"),
+        ("[statistics]", "[layers]\nmargin = 2.0\n[statistics]"),
+        ("tolerance = 1e-3", "rays = 16384"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        outcome = run_ensemble(parse_job(text, EXAMPLES / "ensemble.toml"), tmp_path / "e.h5")
+    assert (outcome.done, outcome.failed) == (2, ())
+    ensemble = outcome.results.read("ensemble")
+    assert ensemble["units"].tolist() == [1, 1]
+    contacts = ensemble["statistics"]["contacts_per_area"]
+    assert contacts[0] > contacts[1]
+    beds = sorted((tmp_path / "e_beds").iterdir())
+    assert {round(1e6 * bedrad.read(bed).mean_diameter) for bed in beds} == {500, 600}
+    h = ensemble["prediction"]["measured"]["heat_transfer_coefficient"]
+    assert (np.diff(h, axis=1) > 0).all()

@@ -17,7 +17,6 @@ from cyclopts import App, Parameter
 
 from bedrad import __version__
 from bedrad.command_options import (
-    OUTPUT,
     BedOptions,
     Density,
     DryRun,
@@ -43,6 +42,9 @@ from bedrad.errors import EngineFailedError, MissingExtraError
 from bedrad.flow_command import flow
 from bedrad.predict_command import predict
 from bedrad.reduce_command import reduce
+from bedrad.report_command import report
+from bedrad.run_command import run
+from bedrad.show_command import show
 from bedrad.statistics_command import statistics
 
 __all__ = ["app", "main"]
@@ -64,53 +66,11 @@ app = App(
 )
 
 
-@app.command(help_epilogue="Example:  bedrad run examples/hot_tube.toml -o results/hot_tube.h5")
-def run(job_file: Path, /, *, output: Output = None, dry_run: DryRun = False) -> None:
-    """Run a job: the whole way from a bed to a heat-transfer prediction.
-
-    Stages that the results file already holds are not computed again.
-
-    Parameters
-    ----------
-    job_file
-        The job, a TOML file.
-    output
-        The results file (HDF5); the job file's name with .h5 in this folder if not given. Tables and figures go
-        beside it.
-    dry_run
-        Say what would run, what is left out, and why; run nothing.
-    """
-    from bedrad.jobs.job import load_job
-    from bedrad.jobs.pipeline import make_plan, run_job
-    from bedrad.jobs.results import Results
-    from bedrad.report.tables import write_tables
-    from bedrad.report.terminal import summary
-
-    job = load_job(job_file)
-    path = output or Path(f"{job_file.stem}.h5")
-    if dry_run:
-        plan = make_plan(job, Results(path))
-        for stage in plan.stages:
-            say(f"{'kept' if stage.done else 'run':<9} {stage.name:<13} {stage.summary}")
-        for name, reason in plan.left_out:
-            say(f"{'left out':<9} {name:<13} {reason}")
-        say(f"results   {path}")
-        return
-    if job.output.figures:
-        # a missing library shows before the computing, not after
-        from bedrad.report.style import styled
-
-        with styled():
-            pass
-    with compiling_told(), progress_bars() as report:
-        results = run_job(job, path, report)
-    OUTPUT.print(summary(results))
-    written = write_tables(results, path.parent) if job.output.tables else []
-    if job.output.figures:
-        from bedrad.report.figures import write_figures
-
-        written += write_figures(results, path.parent)
-    list_files([path, *written])
+app.command(
+    run,
+    help_epilogue="Example:  bedrad run examples/hot_tube.toml -o results/hot_tube.h5\n\n"
+    "Many beds, two at a time:  bedrad run examples/ensemble.toml -o results/ensemble.h5 --workers 2",
+)
 
 
 @app.command(
@@ -298,6 +258,19 @@ app.command(
     "--published-errors --error particle_diameter=5um --budget",
 )
 
+app.command(
+    report,
+    help_epilogue="Example:  bedrad report results/hot_tube.h5\n\n"
+    "Into another file, and look at it:  bedrad report results/hot_tube.h5 -o hot_tube.html --open",
+)
+
+app.command(
+    show,
+    help_epilogue="Example:  bedrad show results/hot_tube.h5\n\n"
+    "A picture:  bedrad show bed.dump --tube 7.75mm --save bed.png\n\n"
+    "For ParaView:  bedrad show results/hot_tube.h5 --vtp hot_tube",
+)
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line.
@@ -320,11 +293,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         warnings.showwarning = warning_printer()
         try:
             with ended_like_ctrl_c():
-                app(sys.argv[1:] if arguments is None else arguments, exit_on_error=False, print_error=False)
+                words = sys.argv[1:] if arguments is None else arguments
+                code = app(words, exit_on_error=False, print_error=False)
         except (cyclopts.CycloptsError, ValueError) as error:
             return fail(error, 2)
         except (EngineFailedError, MissingExtraError, OSError, MemoryError) as error:
             return fail(error, 1)
         except KeyboardInterrupt:
             return fail("interrupted; what was finished is kept", INTERRUPTED)
-    return 0
+    # only a command of which a part failed says so by a number
+    return code if isinstance(code, int) else 0

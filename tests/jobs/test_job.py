@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from pathlib import Path
 
@@ -362,3 +363,20 @@ def test_layers_and_ends_that_the_settled_bed_has_no_room_for(layers, message):
     )
     with pytest.raises(BadFileError, match=re.escape(message)):
         parse_job(text, Path("job.toml"))
+
+
+def test_a_job_that_never_ends_is_refused(tmp_path):
+    pipe = tmp_path / "pipe.toml"
+    os.mkfifo(pipe)
+    with pytest.raises(BadFileError, match="is a pipe or a device; expected a text file"):
+        load_job(pipe)
+    large = tmp_path / "large.toml"
+    large.write_text("#" * 70_000)
+    with pytest.raises(BadFileError, match="has 70000 bytes; a job has at most 65536"):
+        load_job(large)
+
+
+def test_of_many_problems_some_are_told():
+    found = refusal("".join(f"key{k} = 1\n" for k in range(500)) + FILE)
+    assert len(found.splitlines()) == 21
+    assert found.endswith("and 480 more problems")

@@ -21,6 +21,7 @@ from bedrad.jobs.results import (
     check_writable,
     save_fields,
     save_record,
+    sha256_of,
 )
 from jobs.small_job import STAGES, WALL, ring_bed
 
@@ -300,3 +301,52 @@ def test_the_file_holds_the_resolved_job(finished):
     # this copy of the bed lies elsewhere
     held = json.loads(Results(finished / "results.h5").attributes()["job"])
     assert held == json.loads(load_job(finished / "job.toml").resolved()) | {"packing": held["packing"]}
+
+
+# Results that somebody else may have made
+
+
+def hostile(tmp_path, change):
+    results = Results(tmp_path / "r.h5")
+    write(results)
+    with h5py.File(results.path, "r+") as file:
+        change(file)
+    return results
+
+
+def endless(group):
+    for _ in range(12):
+        group = group.create_group("more")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda file: file["statistics"].__setitem__("a", h5py.SoftLink("/statistics")), "statistics/a: is a link to"),
+        (
+            lambda file: file["statistics"].__setitem__("a", h5py.ExternalLink("/etc/hosts", "/")),
+            "a: is a link to elsewhere",
+        ),
+        (lambda file: file["statistics"].__setitem__("a", np.dtype("f8")), "a: is neither a group nor a dataset"),
+        (lambda file: file["statistics"].__setitem__("a", h5py.Empty("f8")), "a: is neither a group nor a dataset"),
+        (
+            lambda file: file["statistics"].create_dataset("a", (10**6, 10**6), "f8", chunks=(1, 1000)),
+            "far more than the file",
+        ),
+        (lambda file: endless(file["statistics"]), "groups lie deeper than 8"),
+        (lambda file: (file.__delitem__("statistics"), file.create_dataset("statistics", data=1.0)), "is no group"),
+    ],
+)
+def test_what_no_run_writes_is_one_clear_error(tmp_path, change, message):
+    with pytest.raises(BadFileError, match=message):
+        hostile(tmp_path, change).read("statistics")
+
+
+def test_a_link_that_leads_nowhere_is_no_stage(tmp_path):
+    results = hostile(tmp_path, lambda file: file.__setitem__("other", h5py.SoftLink("/nowhere")))
+    assert set(results.digests()) == {"statistics"}
+
+
+def test_a_device_has_no_digest():
+    with pytest.raises(BadFileError, match="is a pipe or a device"):
+        sha256_of(Path("/dev/zero"))

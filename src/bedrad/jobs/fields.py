@@ -12,6 +12,7 @@ __all__ = [
     "PREDICTION",
     "STATISTICS",
     "SYSTEM",
+    "UNITS",
     "VIEW_FACTORS",
     "WALL_LAYER",
     "Field",
@@ -148,3 +149,25 @@ WALL_LAYER: Mapping[str, Field] = {
     "contacts_per_area": ("1/m2", "wall contacts per wall area"),
     "nc_distance": ("1", "distance of no-contact particles, in radii"),
 }
+
+UNITS: Mapping[str, Field] = {
+    "label": ("", "which bed: file and frame, or values of the sweep"),
+    "key": ("", "digest of the bed and how it is read or settled"),
+    "path": ("", "file"),
+    "frame": ("1", "frame of the file"),
+    "content": ("", "SHA-256 of the file"),
+    "series": ("", "what the bed has in common with others: a trajectory"),
+    "seed": ("1", "seed of the rays"),
+    "warnings": ("", "what was warned about, a line each"),
+    "seconds": ("s", "run time"),
+    "tube_diameter": ("m", "inner diameter of the tube, swept"),
+    "particle_diameter": ("m", "particle diameter, swept"),
+    "bed_seed": ("1", "seed that the bed is settled with, swept"),
+    "window": ("m", "ends of the measured window along the axis"),
+    "window_lateral": ("m", "ends of the measured window across the plate"),
+    "wall_radius": ("m", "radius of the wall"),
+    "view_factors": ("1", "view factors from the wall to the layers"),
+    "radiation_bound": PREDICTION["radiation_bound"],
+    "error": ("", "why there are no results"),
+}
+"""What a file of many beds says of each, beside the fields of the stages."""

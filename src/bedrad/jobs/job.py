@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 import json
 import re
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
@@ -25,7 +27,9 @@ from bedrad.jobs.section import (
     Seed,
     YesNo,
 )
+from bedrad.jobs.sweep_section import SweepSection
 from bedrad.jobs.units import Density, Stiffness, shortened
+from bedrad.packings.files.text import is_ordinary
 from bedrad.walls import Plate, Rod, Tube, Wall
 
 __all__ = ["Job", "load_job", "parse_job"]
@@ -148,7 +152,7 @@ class Job(Section):
         Title of the job, for figures and tables.
     seed : int
         Seed of everything random.
-    wall, packing, layers, statistics, view_factors, convergence, prediction, output
+    wall, packing, sweep, layers, statistics, view_factors, convergence, prediction, output
         The sections; a stage without its section does not run.
     """
 
@@ -156,6 +160,7 @@ class Job(Section):
     seed: Seed = 0
     wall: WallSection | None = None
     packing: PackingSection | None = None
+    sweep: SweepSection | None = None
     layers: LayersSection = LayersSection()
     statistics: StatisticsSection | None = None
     view_factors: ViewFactorsSection | None = None
@@ -173,12 +178,44 @@ class Job(Section):
         measured = [n for n in ("statistics", "view_factors", "convergence") if getattr(self, n) is not None]
         if measured and self.packing is None:
             raise ValueError(f"[{measured[0]}] needs a [packing]")
-        if measured and self.packing is not None and self.packing.settle is not None and self.wall is not None:
+        if self.sweep is not None:
+            self._check_sweep(room_needed=bool(measured))
+        elif measured and self.packing is not None and self.packing.settle is not None and self.wall is not None:
             self._check_size(self.packing.settle, self.wall)
         self._check_wall()
         if self.prediction is None and self.packing is None:
             raise ValueError("nothing to do: give a [packing] or a [prediction]")
         return self
+
+    @property
+    def is_ensemble(self) -> bool:
+        """Whether the job names many beds, each a unit of work."""
+        file = None if self.packing is None else self.packing.file
+        return self.sweep is not None or (file is not None and file.is_many)
+
+    def swept(self, values: Mapping[str, float]) -> Job:
+        """The job of one bed of the sweep: with these values of what is swept."""
+        wall, packing = self.wall, self.packing
+        if "tube_diameter" in values and wall is not None:
+            wall = wall.model_copy(update={"diameter": values["tube_diameter"]})
+        if "particle_diameter" in values and packing is not None and packing.settle is not None:
+            bed = packing.settle.model_copy(update={"diameter": values["particle_diameter"]})
+            packing = packing.model_copy(update={"settle": bed})
+        seed = int(values.get("seed", self.seed))
+        return self.model_copy(update={"wall": wall, "packing": packing, "seed": seed, "sweep": None})
+
+    def _check_sweep(self, *, room_needed: bool) -> None:
+        """Refuse a sweep without a bed to settle, or with one that has no room for what is measured."""
+        assert self.sweep is not None  # noqa: S101 - called with one
+        if self.packing is None or self.packing.settle is None:
+            raise ValueError("[sweep] needs a [packing.settle]")
+        if self.sweep.particle_diameter is not None and self.packing.settle.sizes is not None:
+            raise ValueError("sweep.particle_diameter is for beds of one size; packing.settle.sizes gives several")
+        values = {name: listed for name, listed in self.sweep.values().items() if name != "seed"}
+        for combination in itertools.product(*values.values()):
+            one = self.swept(dict(zip(values, combination, strict=True)))
+            if room_needed and one.wall is not None and one.packing is not None and one.packing.settle is not None:
+                self._check_size(one.packing.settle, one.wall)
 
     def _check_wall(self) -> None:
         """Refuse two walls, and a prediction for what is no tube or has no wall at all."""
@@ -230,6 +267,10 @@ def load_job(path: str | Path) -> Job:
     """
     file = Path(path)
     try:
+        if not is_ordinary(file):
+            raise BadFileError(f"{file}: is a pipe or a device; expected a text file")
+        if file.stat().st_size > LARGEST:
+            raise BadFileError(f"{file}: has {file.stat().st_size} bytes; a job has at most {LARGEST}")
         text = file.read_bytes().decode()
     except FileNotFoundError:
         raise BadFileError(f"{file}: no such job file") from None
@@ -261,6 +302,12 @@ def parse_job(text: str, file: Path) -> Job:
     return job
 
 
+LARGEST = 2**16
+"""Bytes of a job, which HDF5 keeps as an attribute of at most so many."""
+
+MOST_PROBLEMS = 20
+"""Problems of a job that are told."""
+
 _EXPECTED = {
     "missing": "required, and not there",
     "model_type": "expected a table of keys and values",
@@ -284,6 +331,8 @@ def _problems(error: ValidationError) -> list[str]:
         value = problem["input"]
         shown = "" if isinstance(value, dict) or text.startswith(shortened(value)) else f" (it is {shortened(value)})"
         lines.append(f"{place or 'job'}: {text}{shown}")
+    if len(lines) > MOST_PROBLEMS:
+        lines[MOST_PROBLEMS:] = [f"and {len(lines) - MOST_PROBLEMS} more problems"]
     return lines
 
 

@@ -14,9 +14,10 @@ from bedrad import __version__
 from bedrad.errors import BadFileError
 from bedrad.jobs import stages
 from bedrad.jobs.job import Job
-from bedrad.jobs.results import Results, check_writable, sha256_of
+from bedrad.jobs.locking import results_lock
+from bedrad.jobs.results import ENSEMBLE, Results, check_writable, sha256_of
 
-__all__ = ["Plan", "Stage", "make_plan", "run_job"]
+__all__ = ["Plan", "Stage", "lammps_version", "make_plan", "run_job", "stage_digests", "stage_parameters"]
 
 _UPSTREAM: Mapping[str, tuple[str, ...]] = {
     "packing": (),
@@ -88,17 +89,21 @@ def make_plan(job: Job, results: Results) -> Plan:
         If an input file is missing, or the results file is something else.
     """
     if job.packing is not None and job.packing.file is not None:
-        bed = job.packing.file.path
+        bed = job.packing.file.only_path
         if bed.resolve() == results.path.resolve():
             raise BadFileError(f"{results.path}: is the bed of this job; name another results file")
     finished = results.digests()
+    if ENSEMBLE in finished:
+        raise BadFileError(
+            f"{results.path}: holds the results of many beds; name another results file for a job of one"
+        )
     inputs = _input_digests(job)
-    wanted = _wanted(job)
-    digests: dict[str, str] = {}
-    planned = []
-    for name, (parameters, summary) in wanted.items():
-        digests[name] = _digest(name, parameters, [digests[u] for u in _UPSTREAM[name] if u in digests])
-        planned.append(Stage(name, digests[name], summary, finished.get(name) == digests[name]))
+    wanted = _wanted(job, inputs)
+    digests = stage_digests({name: parameters for name, (parameters, _) in wanted.items()})
+    planned = [
+        Stage(name, digests[name], summary, finished.get(name) == digests[name])
+        for name, (_, summary) in wanted.items()
+    ]
     left_out = [
         (n, f"the job has no [{n}]" + ("; the results file keeps its earlier one" if n in finished else ""))
         for n in stages.ORDER
@@ -131,13 +136,19 @@ def run_job(job: Job, path: Path, progress: Progress | None = None) -> Results:
     EngineFailedError
         If LAMMPS fails.
     OSError
-        If the results file cannot be written.
+        If the results file cannot be written, or another process is writing it.
     """
     results = Results(path)
+    if all(stage.done for stage in make_plan(job, results).stages):
+        return _run(job, results, progress)
+    check_writable(path)
+    with results_lock(path):
+        return _run(job, results, progress)
+
+
+def _run(job: Job, results: Results, progress: Progress | None) -> Results:
     plan = make_plan(job, results)
     stale = {stage.name for stage in plan.stages if not stage.done}
-    if stale:
-        check_writable(path)
     # what the job has no longer is kept too, as long as it was computed from what is kept
     keep = [name for name in results.digests() if name not in stale and stale.isdisjoint(_UPSTREAM.get(name, ()))]
     attributes = {"job": job.resolved(), "inputs": json.dumps(dict(plan.inputs), sort_keys=True)}
@@ -162,7 +173,27 @@ def _for_stage(progress: Progress | None, stage: str) -> Callable[[float, str], 
     return lambda share, text: _report(progress, stage, share, text)
 
 
-def _wanted(job: Job) -> dict[str, tuple[dict[str, Any], str]]:
+def stage_digests(parameters: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+    """SHA-256 of all that the stages' results depend on, from what each depends on beside earlier stages."""
+    digests: dict[str, str] = {}
+    for name, own in parameters.items():
+        content = [
+            name,
+            __version__,
+            stages.REVISIONS[name],
+            own,
+            [digests[u] for u in _UPSTREAM[name] if u in digests],
+        ]
+        digests[name] = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+    return digests
+
+
+def stage_parameters(job: Job, inputs: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+    """What the results of each stage of a job depend on beside earlier stages; `inputs` are SHA-256 by path."""
+    return {name: parameters for name, (parameters, _) in _wanted(job, inputs).items()}
+
+
+def _wanted(job: Job, inputs: Mapping[str, str]) -> dict[str, tuple[dict[str, Any], str]]:
     """Stages that the job asks for: what their results depend on beside earlier stages, and a summary."""
     wanted: dict[str, tuple[dict[str, Any], str]] = {}
     layers = job.layers.model_dump(mode="json")
@@ -172,14 +203,16 @@ def _wanted(job: Job) -> dict[str, tuple[dict[str, Any], str]]:
         parameters: dict[str, Any] = {"wall": wall}
         if job.packing.file is not None:
             # the content counts, not the place
-            source["file"]["path"] = sha256_of(job.packing.file.path)
+            source["file"]["path"] = inputs[str(job.packing.file.path)]
+            # what is about many beds says nothing about one
+            del source["file"]["frames"], source["file"]["independent"]
             if job.packing.file.wall_file is not None:
-                source["file"]["wall"] = sha256_of(job.packing.file.wall_file)
+                source["file"]["wall"] = inputs[str(job.packing.file.wall_file)]
             summary = f"read {job.packing.file.path}"
         else:
             assert job.packing.settle is not None  # noqa: S101 - checked with the job
             parameters["seed"] = job.seed
-            parameters["lammps"] = _lammps_version()
+            parameters["lammps"] = lammps_version()
             summary = f"settle a bed {job.packing.settle.height:g} m high with LAMMPS"
         wanted["packing"] = (parameters | {"source": source}, summary)
     if job.statistics is not None:
@@ -207,12 +240,7 @@ def _wanted(job: Job) -> dict[str, tuple[dict[str, Any], str]]:
     return wanted
 
 
-def _digest(name: str, parameters: dict[str, Any], upstream: list[str]) -> str:
-    content = json.dumps([name, __version__, stages.REVISIONS[name], parameters, upstream], sort_keys=True)
-    return hashlib.sha256(content.encode()).hexdigest()
-
-
-def _lammps_version() -> str:
+def lammps_version() -> str:
     """Version of the LAMMPS package; beds differ from one to the next."""
     try:
         return metadata.version("lammps")

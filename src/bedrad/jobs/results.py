@@ -22,8 +22,12 @@ from bedrad import __version__
 from bedrad.atomic import atomic_path
 from bedrad.errors import BadFileError
 from bedrad.jobs.fields import Field
+from bedrad.packings.files import read
+from bedrad.packings.files.text import is_ordinary
+from bedrad.packings.packing import Packing
 
 __all__ = [
+    "ENSEMBLE",
     "SCHEMA_VERSION",
     "Results",
     "StageData",
@@ -35,6 +39,13 @@ __all__ = [
 ]
 
 SCHEMA_VERSION = 1
+
+ENSEMBLE = "ensemble"
+"""Name of the group that only the results of many beds have."""
+
+_DEEPEST = 8
+_MOST_A_BYTE = 1000
+"""What datasets may state over the size of their file: compressed zeros shrink a thousandfold."""
 
 StageData = dict[str, Any]
 """A stage as it stands in the file: names to arrays, floats, texts, or to such mappings again."""
@@ -136,6 +147,10 @@ def save_record(path: Path, stage: str, fill: Callable[[h5py.Group], None], sour
         fill(new.create_group(stage))
         new.attrs["inputs"] = json.dumps({str(source): sha256_of(source)})
         _stamp(new)
+    _write(path, buffer)
+
+
+def _write(path: Path, buffer: io.BytesIO) -> None:
     with atomic_path(path) as temporary:
         temporary.write_bytes(buffer.getbuffer())
 
@@ -149,6 +164,8 @@ def sha256_of(path: Path) -> str:
         If it cannot be read.
     """
     try:
+        if not is_ordinary(path):
+            raise BadFileError(f"{path}: is a pipe or a device; expected a file")
         with path.open("rb") as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()
     except OSError as error:
@@ -173,6 +190,21 @@ class Results:
 
     path: Path
 
+    @property
+    def threads(self) -> None:
+        """Threads of the stages that can have several: all processors."""
+        return
+
+    def bed(self) -> Packing:
+        """The bed that the stages are about.
+
+        Raises
+        ------
+        BadFileError
+            If there is none in the file.
+        """
+        return read(self.path)
+
     def digests(self) -> dict[str, str]:
         """Digest of what went into each finished stage; empty where there is no file yet.
 
@@ -183,8 +215,11 @@ class Results:
         """
         if not self.path.exists():
             return {}
-        with self._open() as file:
-            return {name: str(group.attrs["digest"]) for name, group in file.items() if "digest" in group.attrs}
+        with self.open() as file:
+            # a link that leads nowhere has no group
+            return {
+                name: str(group.attrs["digest"]) for name, group in file.items() if group and "digest" in group.attrs
+            }
 
     def read(self, stage: str) -> StageData:
         """Everything a finished stage holds.
@@ -194,14 +229,14 @@ class Results:
         BadFileError
             If there is no such stage in the file.
         """
-        with self._open() as file:
+        with self.open() as file:
             if stage not in file:
                 raise BadFileError(f"{self.path}: no stage {stage!r}; it holds {', '.join(file) or 'none'}")
-            return _read_group(file[stage])
+            return _read_group(file, stage, self.path)
 
     def attributes(self) -> dict[str, Any]:
         """Attributes of the whole file: version, time, job, inputs."""
-        with self._open() as file:
+        with self.open() as file:
             return dict(file.attrs)
 
     def write_stage(
@@ -234,7 +269,7 @@ class Results:
         buffer = io.BytesIO()
         with h5py.File(buffer, "w") as new:
             if self.path.exists():
-                with self._open() as old:
+                with self.open() as old:
                     for name in keep:
                         if name in old and name != stage:
                             old.copy(name, new)
@@ -243,8 +278,29 @@ class Results:
             fill(group)
             _stamp(new)
             new.attrs.update(attributes)
-        with atomic_path(self.path) as temporary:
-            temporary.write_bytes(buffer.getbuffer())
+        _write(self.path, buffer)
+
+    def write_all(self, fill: Callable[[h5py.File], None], attributes: Mapping[str, str]) -> None:
+        """Write the file anew.
+
+        Parameters
+        ----------
+        fill : callable
+            Writes all groups into the file it is given.
+        attributes : mapping
+            Attributes of the whole file.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written; the old one is then as it was.
+        """
+        buffer = io.BytesIO()
+        with h5py.File(buffer, "w") as new:
+            fill(new)
+            _stamp(new)
+            new.attrs.update(attributes)
+        _write(self.path, buffer)
 
     def update_attributes(self, attributes: Mapping[str, str]) -> None:
         """Replace attributes of the whole file where they differ; the stages stay.
@@ -260,11 +316,11 @@ class Results:
         buffer = io.BytesIO(self.path.read_bytes())
         with h5py.File(buffer, "r+") as file:
             file.attrs.update(attributes)
-        with atomic_path(self.path) as temporary:
-            temporary.write_bytes(buffer.getbuffer())
+        _write(self.path, buffer)
 
     @contextmanager
-    def _open(self) -> Iterator[h5py.File]:
+    def open(self) -> Iterator[h5py.File]:
+        """Open the file to read from it; BadFileError if it is something else, or damaged where it is read."""
         try:
             with h5py.File(self.path, "r") as file:
                 version = file.attrs.get("schema_version")
@@ -284,13 +340,38 @@ class Results:
             ) from None
 
 
-def _read_group(group: h5py.Group) -> StageData:
+def _read_group(parent: h5py.Group, name: str, path: Path, depth: int = 0) -> StageData:
+    """Read a group of a file that anybody may have made: no links, no claims beyond the file's size."""
+    where = f"{path}: {parent.name.rstrip('/')}/{name}"
+    if depth > _DEEPEST:
+        raise BadFileError(f"{where}: groups lie deeper than {_DEEPEST} in each other")
+    group = _own(parent, name, where)
+    if not isinstance(group, h5py.Group):
+        raise BadFileError(f"{where}: is no group; expected what `bedrad run` writes")
     data: StageData = {}
-    for name, value in group.attrs.items():
-        data[name] = value.item() if isinstance(value, np.generic) else value
-    for name, item in group.items():
-        data[name] = _read_group(item) if isinstance(item, h5py.Group) else _plain(item[()])
+    try:
+        for key, value in group.attrs.items():
+            data[key] = value.item() if isinstance(value, np.generic) else value
+        for key in group:
+            item = _own(group, key, f"{where}/{key}")
+            if isinstance(item, h5py.Group):
+                data[key] = _read_group(group, key, path, depth + 1)
+                continue
+            if not isinstance(item, h5py.Dataset) or item.shape is None:
+                raise BadFileError(f"{where}/{key}: is neither a group nor a dataset with values")
+            if item.nbytes > _MOST_A_BYTE * path.stat().st_size:
+                raise BadFileError(f"{where}/{key}: states {item.nbytes} bytes, far more than the file holds")
+            data[key] = _plain(item[()])
+    except (TypeError, AttributeError, UnicodeDecodeError) as problem:
+        raise BadFileError(f"{where}: cannot be read: {problem}") from None
     return data
+
+
+def _own(group: h5py.Group, name: str, where: str) -> Any:
+    """An object that the file holds itself, not one that a link leads to."""
+    if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+        raise BadFileError(f"{where}: is a link to elsewhere; expected what `bedrad run` writes")
+    return group[name]
 
 
 def _plain(value: Any) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Protocol
 
 import h5py
 import numpy as np
@@ -23,7 +23,7 @@ from bedrad.jobs.fields import (
 )
 from bedrad.jobs.job import Job
 from bedrad.jobs.prediction_section import PredictionSection
-from bedrad.jobs.results import Results, save_fields
+from bedrad.jobs.results import StageData, save_fields
 from bedrad.packings.files import read, save_packing
 from bedrad.packings.files.contents import describe_wall
 from bedrad.packings.layers import layer_edges
@@ -35,11 +35,26 @@ from bedrad.raytrace.factors import ViewFactors, covariance_of_mean
 from bedrad.raytrace.view_factors import view_factors
 from bedrad.walls import Tube, Window
 
-__all__ = ["ORDER", "REVISIONS", "RUNNERS", "fill_statistics", "fill_view_factors"]
+__all__ = ["ORDER", "REVISIONS", "RUNNERS", "Earlier", "fill_statistics", "fill_view_factors", "make_bed"]
+
+
+class Earlier(Protocol):
+    """What a stage builds on: the bed, and the stages before; a results file, or a unit of work in memory."""
+
+    @property
+    def threads(self) -> int | None:
+        """Threads of the stages that can have several; None for all processors."""
+
+    def bed(self) -> Packing:
+        """The bed."""
+
+    def read(self, stage: str) -> StageData:
+        """What an earlier stage holds."""
+
 
 Fill = Callable[[h5py.Group], None]
 Progress = Callable[[float, str], None]
-Runner = Callable[[Job, Results, Progress], Fill]
+Runner = Callable[[Job, Earlier, Progress], Fill]
 
 LARGEST_MISSING = 0.05
 """Share of the radiative conductivity that may pass the last layer without a warning."""
@@ -47,35 +62,39 @@ LARGEST_MISSING = 0.05
 _NC_DISTANCES = {"mean": "nc_distance", "weighted": "nc_distance_weighted", "closing": "nc_distance_closing"}
 
 
-def run_packing(job: Job, results: Results, progress: Progress) -> Fill:  # noqa: ARG001 - one signature for all stages
+def run_packing(job: Job, results: Earlier, progress: Progress) -> Fill:  # noqa: ARG001 - one signature for all stages
     """Settle the bed, or read it."""
+    bed = make_bed(job, progress)
+    return lambda group: save_packing(group, bed)
+
+
+def make_bed(job: Job, progress: Progress) -> Packing:
+    """Settle the bed of a job, or read it; errors as `bedrad.settle` and `bedrad.read`."""
     source = job.packing
     assert source is not None  # noqa: S101 - the plan has this stage only with the section
     wall = None if job.wall is None else job.wall.build()
     if source.file is not None:
-        bed = read(source.file.path, source.file.wall if wall is None else wall, **source.file.options())
-    else:
-        assert source.settle is not None  # noqa: S101 - checked with the job
-        assert wall is not None  # noqa: S101 - checked with the job
-        how = source.settle
-        bed = settle(
-            wall,
-            how.diameter,
-            how.height,
-            job.seed,
-            sizes=None if how.sizes is None else [(s.diameter, s.share) for s in how.sizes],
-            density=how.density,
-            friction=how.friction,
-            wall_friction=how.wall_friction,
-            restitution=how.restitution,
-            stiffness=how.stiffness,
-            ranks=how.ranks,
-            progress=progress,
-        )
-    return lambda group: save_packing(group, bed)
+        return read(source.file.only_path, source.file.wall if wall is None else wall, **source.file.options())
+    assert source.settle is not None  # noqa: S101 - checked with the job
+    assert wall is not None  # noqa: S101 - checked with the job
+    how = source.settle
+    return settle(
+        wall,
+        how.diameter,
+        how.height,
+        job.seed,
+        sizes=None if how.sizes is None else [(s.diameter, s.share) for s in how.sizes],
+        density=how.density,
+        friction=how.friction,
+        wall_friction=how.wall_friction,
+        restitution=how.restitution,
+        stiffness=how.stiffness,
+        ranks=how.ranks,
+        progress=progress,
+    )
 
 
-def run_statistics(job: Job, results: Results, progress: Progress) -> Fill:
+def run_statistics(job: Job, results: Earlier, progress: Progress) -> Fill:
     """Measure the packing."""
     assert job.statistics is not None  # noqa: S101 - the plan has this stage only with the section
     bed, edges = _bed(job, results)
@@ -109,7 +128,7 @@ def _fill_window(group: h5py.Group, window: Window) -> None:
         group.attrs["window_lateral"] = window.lateral
 
 
-def run_view_factors(job: Job, results: Results, progress: Progress) -> Fill:
+def run_view_factors(job: Job, results: Earlier, progress: Progress) -> Fill:
     """Trace the view factors."""
     section = job.view_factors
     assert section is not None  # noqa: S101 - the plan has this stage only with the section
@@ -121,6 +140,7 @@ def run_view_factors(job: Job, results: Results, progress: Progress) -> Fill:
         rays=section.rays,
         seed=job.seed,
         window=bed.window(job.layers.margin),
+        threads=results.threads,
         progress=progress,
     )
 
@@ -143,7 +163,7 @@ def fill_view_factors(group: h5py.Group, found: ViewFactors) -> None:
     group.attrs["normalisation"] = found.normalisation
 
 
-def run_convergence(job: Job, results: Results, progress: Progress) -> Fill:
+def run_convergence(job: Job, results: Earlier, progress: Progress) -> Fill:
     """Measure error against run time."""
     section = job.convergence
     assert section is not None  # noqa: S101 - the plan has this stage only with the section
@@ -166,7 +186,7 @@ def run_convergence(job: Job, results: Results, progress: Progress) -> Fill:
     return fill
 
 
-def run_prediction(job: Job, results: Results, progress: Progress) -> Fill:
+def run_prediction(job: Job, results: Earlier, progress: Progress) -> Fill:
     """Predict heat transfer: by measurement where there is one, by correlation beside it, and the published systems."""
     section = job.prediction
     assert section is not None  # noqa: S101 - the plan has this stage only with the section
@@ -175,13 +195,14 @@ def run_prediction(job: Job, results: Results, progress: Progress) -> Fill:
     system = _system(job, results, section)
     cases: dict[str, tuple[str, Any, Any, Any]] = {}
     measured, traced = _measured(job, results, section), _traced(job, results)
+    by_correlation = "published" if section.correlation == "watkins" else "correlated"
     if measured is not None or traced is not None:
         texts = (
             "measured packing" if measured else "correlated packing",
-            "traced" if traced else "published",
+            "traced" if traced else by_correlation,
         )
         cases["measured"] = (f"{texts[0]}, {texts[1]} view factors", system, measured, traced)
-    cases["correlations"] = ("correlations, published view factors", system, None, None)
+    cases["correlations"] = (f"correlations, {by_correlation} view factors", system, None, None)
     if section.published_systems:
         for published in heat.prediction.TABLE_5_1:
             cases[published.name.replace(" ", "_")] = (f"Table 5.1, {published.name}", published, None, None)
@@ -189,15 +210,20 @@ def run_prediction(job: Job, results: Results, progress: Progress) -> Fill:
     for number, (key, (title, what, layer, factors)) in enumerate(cases.items()):
         progress(number / len(cases), title)
         model = section.bulk if what is system else "auto"
-        prediction = heat.prediction.predict(
-            what, T, layer, factors, model, section.correlation if what is system else "watkins",
-            property_temperature=section.properties, heat_flux=section.heat_flux, uncertainties=errors,
-        )  # fmt: skip
+        if what is system:
+            prediction = heat.prediction.predict(
+                what, T, layer, factors, model, section.correlation, property_temperature=section.properties,
+                heat_flux=section.heat_flux, uncertainties=errors,
+            )  # fmt: skip
+        else:
+            # as published: a heat flux and errors of the job's own tube mean nothing to another
+            known = heat.prediction.Uncertainties.published() if errors else None
+            prediction = heat.prediction.predict(what, T, uncertainties=known)
         reach = len(prediction.view_factors.to_layers)
         with warnings.catch_warnings():
             # the same inputs once more: the warnings about them have been given
             warnings.simplefilter("ignore", heat.RangeWarning)
-            bound = heat.prediction.largest_wall_radiation_effect(what, T, layer, model, reach)
+            bound = heat.prediction.largest_wall_radiation_effect(what, T, prediction.wall_layer, model, reach)
         found[key] = (title, prediction, bound)
 
     def fill(group: h5py.Group) -> None:
@@ -245,16 +271,16 @@ REVISIONS: Mapping[str, int] = dict.fromkeys(RUNNERS, 1) | {
 """Raised where a correction changes what a stage gives, so that earlier results of it are not kept."""
 
 
-def _bed(job: Job, results: Results) -> tuple[Packing, np.ndarray[Any, np.dtype[np.float64]]]:
-    bed = read(results.path)
+def _bed(job: Job, results: Earlier) -> tuple[Packing, np.ndarray[Any, np.dtype[np.float64]]]:
+    bed = results.bed()
     return bed, layer_edges(bed, job.layers.count)
 
 
-def _system(job: Job, results: Results, section: PredictionSection) -> Any:
+def _system(job: Job, results: Earlier, section: PredictionSection) -> Any:
     if job.packing is None:
         wall, diameter = None if job.wall is None else job.wall.build(), section.particle_diameter
     else:
-        bed = read(results.path)
+        bed = results.bed()
         wall, diameter = bed.wall, section.particle_diameter or bed.mean_diameter
         if np.ptp(bed.radii) > 0.02 * bed.radii.mean():
             warnings.warn(
@@ -273,7 +299,7 @@ def _system(job: Job, results: Results, section: PredictionSection) -> Any:
     )
 
 
-def _measured(job: Job, results: Results, section: PredictionSection) -> Any:
+def _measured(job: Job, results: Earlier, section: PredictionSection) -> Any:
     """The measured wall layer, where the job measures one."""
     if job.statistics is None:
         return None
@@ -310,7 +336,7 @@ def _known(error: float, name: str) -> float:
     return 0.0
 
 
-def _traced(job: Job, results: Results) -> Any:
+def _traced(job: Job, results: Earlier) -> Any:
     """The traced view factors, with the errors of rays and bed together, where the job traces them."""
     if job.view_factors is None:
         return None
