@@ -6,7 +6,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint format benchmark calibration study-structure study-flow study-grey heat-effort clean help
+.PHONY: demo test lint format docs benchmark calibration fuzz study-structure study-flow study-grey heat-effort study-kills clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 18
@@ -26,12 +26,18 @@ format: $(READY)  ## put the code into the common style
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
+docs: $(READY)  ## the documentation, with a gallery that runs, into build/docs/index.html; some 2 minutes, then seconds
+	$(BIN)/sphinx-build -q -W --keep-going -n -b html docs build/docs
+
 benchmark: $(READY)  ## rays a second and time to an error, against meshes, on this machine; some 40 minutes
 	$(BIN)/python benchmarks/raytrace.py --csv results/raytrace.csv
 	$(BIN)/python benchmarks/scaling.py
 
 calibration: $(READY)  ## are the stated errors of the view factors right? 200 seeds, 5 tolerances, 3 beds; some 15 minutes
 	$(BIN)/python benchmarks/calibration.py --csv docs/calibration.csv
+
+fuzz: $(READY)  ## hostile files for every reader, a million cases; some 40 minutes of a core, goes on where it was cut off
+	$(BIN)/python benchmarks/fuzz.py --cases 1000000
 
 study-structure: $(READY)  ## settled beds in tubes of 2.5 to 25 diameters: porosity beside the wall, mean porosity; some 15 minutes
 	$(BIN)/python benchmarks/structure_of_settled_beds.py --csv docs/structure_of_settled_beds.csv --figure docs/images/near_wall_structure.png
@@ -46,6 +52,11 @@ study-grey: $(READY)  ## grey walls and particles: exchange factors of settled a
 
 heat-effort: $(READY)  ## error against run time of series, quadratures and draws; a minute
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/heat_effort.py --csv docs/heat_effort.csv --figure docs/images/heat_effort.png
+
+study-kills: $(READY)  ## ensembles killed at random moments, alone, with workers, on Dask; some 40 minutes
+	$(BIN)/python benchmarks/ensemble_kills.py
+	$(BIN)/python benchmarks/ensemble_kills.py --workers 2
+	$(BIN)/python benchmarks/ensemble_kills.py --dask
 
 clean:  ## remove the environment and the results
 	rm -rf $(VENV) results
