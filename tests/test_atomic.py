@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import errno
 import os
-import resource
-import signal
 import stat
 from pathlib import Path
 
 import pytest
 
 from bedrad.atomic import atomic_path
+from oracles.small_files import small_files
 
 
 def test_content_appears_only_when_the_block_ends(tmp_path: Path) -> None:
@@ -84,21 +83,11 @@ def test_a_read_only_folder_shows_before_the_block_runs(tmp_path: Path, monkeypa
     assert caught.value.errno == errno.EROFS
 
 
-@pytest.fixture
-def small_files() -> object:
-    """No file of this process may grow beyond 64 kB while the test runs."""
-    old_limit = resource.getrlimit(resource.RLIMIT_FSIZE)
-    old_handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 16, old_limit[1]))
-    yield None
-    resource.setrlimit(resource.RLIMIT_FSIZE, old_limit)
-    signal.signal(signal.SIGXFSZ, old_handler)
-
-
-def test_a_write_that_does_not_fit_is_one_clear_error(tmp_path: Path, small_files: object) -> None:
+def test_a_write_that_does_not_fit_is_one_clear_error(tmp_path: Path) -> None:
     target = tmp_path / "a.bin"
     target.write_bytes(b"old")
     with (
+        small_files(1 << 16),
         pytest.raises(OSError, match=r"cannot write: File too large: '.*a\.bin'"),
         atomic_path(target) as temporary,
     ):

@@ -1,12 +1,10 @@
 from __future__ import annotations
 
-import resource
-import signal
-
 import pytest
 
 from bedrad.errors import BadFileError
 from bedrad.jobs.journal import Journal
+from oracles.small_files import small_files
 
 ENTRIES = [b"first", b"", bytes(range(256)), b"last one"]
 
@@ -57,23 +55,11 @@ def test_something_else_is_refused_and_left_alone(tmp_path):
     assert (tmp_path / "j").read_text() == "notes of mine"
 
 
-@pytest.fixture
-def _small_files():
-    """No file of this process may grow beyond 4 kB while the test runs."""
-    old_limit = resource.getrlimit(resource.RLIMIT_FSIZE)
-    old_handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, old_limit[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, old_limit)
-    signal.signal(signal.SIGXFSZ, old_handler)
-
-
-@pytest.mark.usefixtures("_small_files")
 def test_a_write_that_does_not_fit_leaves_the_entries_before(tmp_path):
     journal = Journal(tmp_path / "j")
     assert list(journal.entries()) == []
     journal.append(bytes(3000))
-    with pytest.raises(OSError, match=r"cannot write: File too large: '.*j'"):
+    with small_files(4096), pytest.raises(OSError, match=r"cannot write: File too large: '.*j'"):
         journal.append(bytes(3000))
     journal.append(b"small")
     journal.close()
