@@ -380,8 +380,13 @@ class TestWhatNobodyCanMean:
         for bad in ([7e-3], None, "7 mm", np.array([7e-3, 8e-3])):
             with pytest.raises(ValueError, match=r"tube_diameter is .*; expected one number"):
                 System(bad, 1e-4, 0.05)
-        for values in ((np.nan, 1e6), (0.4, -1.0), (0.4, 1e6, 1.0), ([0.4], 1e6)):
-            with pytest.raises(ValueError):
+        for values, name in (
+            ((np.nan, 1e6), "packing_fraction"),
+            ((0.4, -1.0), "contacts_per_area"),
+            ((0.4, 1e6, 1.0), "nc_distance"),
+            (([0.4], 1e6), "packing_fraction"),
+        ):
+            with pytest.raises(ValueError, match=rf"^{name} is .*; expected"):
                 WallLayer(*values)
 
     def test_a_gas_of_one_conductivity_may_say_so(self):

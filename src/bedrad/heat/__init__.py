@@ -82,42 +82,7 @@ _SUBMODULES = (
     "wall_temperature_profile",
 )
 
-__all__ = [
-    "RangeWarning",
-    "block_and_bed",
-    "block_extraction",
-    "bulk",
-    "bulk_radiation",
-    "chute",
-    "energy_balance",
-    "fins",
-    "flow_correlations",
-    "fluid_lens",
-    "gas",
-    "grey_enclosure",
-    "half_space",
-    "heat_exchanger",
-    "kopp_neumann",
-    "lens_and_layer",
-    "materials",
-    "measured_flow",
-    "particle_sizes",
-    "particle_transient",
-    "prediction",
-    "radiation",
-    "slurry",
-    "static_bed",
-    "systems",
-    "tube_bank",
-    "tube_temperatures",
-    "two_layer",
-    "wall_coverage",
-    "wall_layer",
-    "wall_lenses",
-    "wall_models",
-    "wall_particles",
-    "wall_temperature_profile",
-]
+__all__ = ["RangeWarning", *_SUBMODULES]
 
 
 def __getattr__(name: str) -> Any:
