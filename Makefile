@@ -6,7 +6,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint format docs benchmark calibration fuzz study-structure study-flow study-grey heat-effort study-kills clean help
+.PHONY: demo test lint format docs benchmark calibration fuzz study-structure study-flow study-grey heat-effort study-kills study-full-disk clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 18
@@ -57,6 +57,9 @@ study-kills: $(READY)  ## ensembles killed at random moments, alone, with worker
 	$(BIN)/python benchmarks/ensemble_kills.py
 	$(BIN)/python benchmarks/ensemble_kills.py --workers 2
 	$(BIN)/python benchmarks/ensemble_kills.py --dask
+
+study-full-disk: $(READY)  ## commands on disks that are too small, for real (Linux, may need root); some 10 minutes
+	$(BIN)/python benchmarks/full_disk.py
 
 clean:  ## remove the environment and the results
 	rm -rf $(VENV) results

@@ -10,11 +10,14 @@ from __future__ import annotations
 
 import argparse
 import csv
+import errno
 import math
 import shutil
 import time
 import warnings
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +26,7 @@ from flow_points import POINTS, Point
 
 import bedrad
 from bedrad.atomic import atomic_path
+from bedrad.jobs.locking import results_lock
 from bedrad.packings.flow import Flow
 from bedrad.packings.layers import layer_sums
 from bedrad.packings.time_averages import errors_of_mean
@@ -37,6 +41,9 @@ PIECES = 4
 
 RAY_TOLERANCE = 3e-3
 """Standard error of the rays of one piece of one frame; 124 of them make 3e-4, a tenth of the beds' own."""
+
+LONGEST_WAIT = 60.0
+"""Time that a row waits for its place in a table that another study writes, which takes it milliseconds. [s]"""
 
 GAPS = {0.0: "0", 1e-3: "0.001", 1e-2: "0.01", 5e-2: "0.05"}
 
@@ -136,14 +143,37 @@ def read_rows(path: Path) -> list[dict[str, str]]:
 
 
 def add_row(path: Path, row: dict[str, Any]) -> None:
-    """Put a row into the table, which stays sorted as the points are."""
+    """Put a row into the table, in place of an older one of its point; it stays sorted as the points are.
+
+    Studies that run at the same time wait for each other.
+    """
     order = {point.name: k for k, point in enumerate(POINTS)}
-    rows = [*read_rows(path), {name: _text(value) for name, value in row.items()}]
-    rows.sort(key=lambda each: order.get(each["point"], len(order)))
-    with atomic_path(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.DictWriter(stream, list(row), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    with _held(path):
+        others = [each for each in read_rows(path) if each["point"] != row["point"]]
+        rows = [*others, {name: _text(value) for name, value in row.items()}]
+        rows.sort(key=lambda each: order.get(each["point"], len(order)))
+        with atomic_path(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as stream:
+            writer = csv.DictWriter(stream, list(row), lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+
+
+@contextmanager
+def _held(path: Path) -> Iterator[None]:
+    """Hold the table from reading to writing, once no other study does; TimeoutError if one does for too long."""
+    end = time.monotonic() + LONGEST_WAIT
+    with ExitStack() as stack:
+        while True:
+            try:
+                stack.enter_context(results_lock(path))
+                break
+            except OSError as error:
+                if error.errno != errno.EBUSY:
+                    raise
+                if time.monotonic() > end:
+                    raise TimeoutError(f"{path}: another study has held it for {LONGEST_WAIT:g} s") from None
+                time.sleep(0.05)
+        yield
 
 
 def _text(value: Any) -> str:

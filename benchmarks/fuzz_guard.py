@@ -101,12 +101,13 @@ class Guard:
                 isinstance(path, (str, bytes, os.PathLike))
                 and not self._inside(path)
                 and not _is_of_python(path, writes)
+                and not _starts_the_reader()
             ):
                 self.seen.append(f"opened {os.fspath(path)!r} ({mode})")
-        elif event in _CHANGES and not _loads_a_module():
+        elif event in _CHANGES and not _loads_a_module() and not _starts_the_reader():
             if not all(self._inside(each) for each in arguments[:1] if isinstance(each, (str, bytes, os.PathLike))):
                 self.seen.append(f"{event} {arguments[0]!r}")
-        elif event in _NEVER and not (event in _BY_MODULES and _loads_a_module()):
+        elif event in _NEVER and not (event in _BY_MODULES and _loads_a_module()) and not _starts_the_reader():
             self.seen.append(f"{event} {str(arguments)[:200]}")
 
     def _inside(self, path: str | bytes | os.PathLike[Any]) -> bool:
@@ -131,6 +132,16 @@ def _loads_a_module() -> bool:
     frame = sys._getframe(2)
     while frame is not None:
         if frame.f_code.co_filename.startswith("<frozen importlib") or "/cyclopts/" in frame.f_code.co_filename:
+            return True
+        frame = frame.f_back  # type: ignore[assignment]
+    return False
+
+
+def _starts_the_reader() -> bool:
+    """Whether the process that reads HDF5 files is being started, as the one before died of a file."""
+    frame = sys._getframe(2)
+    while frame is not None:
+        if frame.f_code.co_name == "_start" and frame.f_code.co_filename.endswith("hdf5_reader.py"):
             return True
         frame = frame.f_back  # type: ignore[assignment]
     return False

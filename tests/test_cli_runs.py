@@ -122,6 +122,22 @@ def test_a_single_command_prints_and_saves_what_python_gives(call, bed, tmp_path
         assert str(direct).splitlines()[:7] == out.splitlines()[:7]
 
 
+def test_view_factors_of_several_files_are_the_mean_over_them(call, tmp_path):
+    beds = [ring_bed(seed=k) for k in (1, 2, 3)]
+    for k, bed in enumerate(beds):
+        bedrad.write(bed, tmp_path / f"bed_{k}.h5")
+    wanted = bedrad.view_factors(beds, rays=3 * 4096, seed=2)
+    for words in ([tmp_path / "bed_*.h5"], [tmp_path / f"bed_{k}.h5" for k in range(3)], [tmp_path, "--all-frames"]):
+        code, out, _ = call("view-factors", *words, "--rays", 3 * 4096, "--seed", 2, "-o", tmp_path / "r.out")
+        assert code == 0
+        assert "mean over 3 frames" in out
+        with h5py.File(tmp_path / "r.out") as file:
+            np.testing.assert_array_equal(file["view_factors/layers"][()], wanted.layers)
+            np.testing.assert_array_equal(file["view_factors/bed_covariance"][()], wanted.bed_covariance)
+            assert file["view_factors/frames"][()] == 3
+        (tmp_path / "r.out").unlink()
+
+
 def test_dry_runs_of_single_commands_read_and_write_nothing(call, bed, no_lammps):
     before = sorted(bed.parent.iterdir())
     for command in ("statistics", "view-factors"):

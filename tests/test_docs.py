@@ -208,7 +208,8 @@ def test_commands_exist(command, printed):
 
 def runs_at_once(command):
     """Commands that neither settle a bed nor need one that was settled before; nor draw for seconds."""
-    return not re.search(r"--version| (settle|report|show) |(statistics|view-factors) bed\.h5|beds\.toml", command)
+    pattern = r"--version| (settle|report|show) |(statistics|view-factors) bed\.h5|(beds|flows)\.toml"
+    return not re.search(pattern, command)
 
 
 @pytest.mark.parametrize(

@@ -37,8 +37,10 @@ ROOM_OF = dict.fromkeys(
         "reduce_command",
         "report_command",
         "run_command",
+        "screen",
         "show_command",
         "statistics_command",
+        "view_factors_command",
     ),
     "cli",
 )
@@ -123,7 +125,7 @@ def test_the_imports_were_found():
     seen = {(i.module, i.target) for i in IMPORTS}
     assert ("bedrad.jobs.pipeline", "bedrad.jobs.stages") in seen
     assert ("bedrad.jobs.pipeline", "bedrad") in seen  # its __version__
-    assert ("bedrad.jobs.stages", "bedrad.heat") in seen
+    assert ("bedrad.jobs.prediction_stage", "bedrad.heat") in seen
     assert ("bedrad.raytrace.kernels", "numba") in seen
     late = {(i.module, i.target) for i in IMPORTS if i.late}
     assert ("bedrad.run_command", "bedrad.jobs.job") in late

@@ -44,6 +44,7 @@ def test_the_help_loads_no_extra_and_nothing_that_computes():
         "bedrad.cli",
         "bedrad.command_options",
         "bedrad.errors",
+        "bedrad.screen",
         *commands,
     }
 

@@ -35,6 +35,15 @@ def test_one_screen(call, table):
     assert list(table.parent.iterdir()) == [table]
 
 
+def test_a_table_that_is_missing_or_broken_is_told_before_what_else_is_wanted(refused, table):
+    for words in ((), ("--diameter", "123um"), ("--bulk-conductivity", "0.3 W/(m K)", "--instrument", "7")):
+        assert refused(2, "reduce", "nowhere.csv", *TUBE, *words).startswith("nowhere.csv: ")
+    broken = table.with_name("broken.csv")
+    broken.write_text(table.read_text().replace("position [m]", "place [m]"))
+    assert refused(2, "reduce", broken, *TUBE).startswith(f"{broken}, line 5: column 'place [m]' is not known")
+    assert refused(2, "reduce", table, *TUBE).startswith("give --diameter")
+
+
 def test_table_and_figure(call, table, tmp_path):
     code, out, _ = call("reduce", table, *ALL, "-o", tmp_path / "out.csv")
     assert code == 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import sys
 
 import pytest
 
@@ -31,8 +32,8 @@ def test_many_beds_leave_results_tables_and_a_summary(call, job_file, tmp_path):
     assert out.startswith("four beds")
     for text in (f"{BEDS} beds", "solid fraction phi_wa", "view factor to layer 1", "at 850 °C"):
         assert text in out
-    names = ["r.h5", "r_means.csv", "r_beds.csv", "r_failures.csv"]
-    assert out.splitlines()[-4:] == [f"wrote {tmp_path / name}" for name in names]
+    names = ["r.h5", "r_means.csv", "r_beds.csv"]
+    assert out.splitlines()[-3:] == [f"wrote {tmp_path / name}" for name in names]
     assert {file.name for file in tmp_path.iterdir()} == {*names, "beds", "job.toml"}
     beds, means = rows(tmp_path / "r_beds.csv"), rows(tmp_path / "r_means.csv")
     assert len(beds) == BEDS
@@ -42,7 +43,6 @@ def test_many_beds_leave_results_tables_and_a_summary(call, job_file, tmp_path):
     layers = [row["where"] for row in means if row["quantity"] == "layers"]
     assert layers == ["layer 1", "layer 2", "layer 3"]
     assert float(next(row for row in means if row["quantity"] == "layers")["of this from the rays"]) > 0
-    assert rows(tmp_path / "r_failures.csv") == []
     code, out, _ = call("run", job_file, "-o", tmp_path / "r.h5", "--dry-run")
     assert f"kept      {BEDS} beds measured before" in out
 
@@ -100,3 +100,19 @@ def test_one_bed_needs_no_workers(refused, job_file, tmp_path):
     one = tmp_path / "one.toml"
     one.write_text(JOB.replace("bed_*.h5", "bed_1.h5"))
     assert "names one bed" in refused(2, "run", one, "--workers", "2")
+
+
+def test_a_sweep_without_matplotlib_is_refused_before_anything_runs_if_it_has_a_figure(call, tmp_path, monkeypatch):
+    text = '[wall]\ndiameter = "7 mm"\n[packing.settle]\ndiameter = "0.6 mm"\nheight = "18 mm"\n[sweep]\n'
+    ran = []
+    monkeypatch.setattr("bedrad.jobs.ensemble.run_ensemble", lambda *given: ran.append(given) or 1 / 0)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    (tmp_path / "job.toml").write_text(text + 'tube_diameter = ["7 mm", "8 mm"]\nseed = [1, 2]\n')
+    code, _, err = call("run", tmp_path / "job.toml", "-o", tmp_path / "r.h5")
+    assert (code, ran) == (1, [])
+    assert err == ['bedrad: matplotlib is not installed; install it with: pip install "bedrad[view]"']
+    # seeds alone have no figure
+    (tmp_path / "job.toml").write_text(text + "seed = [1, 2]\n")
+    with pytest.raises(ZeroDivisionError):
+        call("run", tmp_path / "job.toml", "-o", tmp_path / "r.h5")
+    assert len(ran) == 1

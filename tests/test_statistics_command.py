@@ -2,6 +2,8 @@
 
 import builtins
 import csv
+import hashlib
+import json
 import re
 
 import h5py
@@ -210,6 +212,28 @@ def test_a_pattern_is_all_its_files(call, undrawn, flow, tmp_path, elsewhere):
     assert named(elsewhere, "part") == EVERYTHING
 
 
+@pytest.mark.parametrize(
+    "words", [["part_0.dump", "part_1.dump", "part_2.dump"], ["part_*.dump"], [".", "--all-frames"]]
+)
+def test_the_mean_over_several_files_is_kept_with_their_checksums(call, undrawn, flow, tmp_path, words):
+    path, beds = flow
+    folder = tmp_path / "parts"
+    folder.mkdir()
+    for k, bed in enumerate(beds):
+        write_dump(folder / f"part_{k}.dump", [bed])
+    given = [word if word.startswith("--") else folder / word for word in words]
+    assert call("statistics", *given, *TUBE, "-o", tmp_path / "r.h5")[0] == 0
+    assert call("statistics", path, *TUBE, "--all-frames", "-o", tmp_path / "one.h5")[0] == 0
+    with h5py.File(tmp_path / "r.h5") as several, h5py.File(tmp_path / "one.h5") as one:
+        assert json.loads(several.attrs["inputs"]) == {
+            str(folder / f"part_{k}.dump"): hashlib.sha256((folder / f"part_{k}.dump").read_bytes()).hexdigest()
+            for k in range(3)
+        }
+        assert several["statistics"].keys() == one["statistics"].keys()
+        for name in ("packing_fraction", "packing_fraction_error", "nc_distance_structures"):
+            assert several[f"statistics/{name}"][()] == one[f"statistics/{name}"][()]
+
+
 # Refusals
 
 
@@ -226,13 +250,6 @@ def test_a_pattern_is_all_its_files(call, undrawn, flow, tmp_path, elsewhere):
 def test_a_wrong_word_is_one_line_and_exit_code_2(refused, bed, elsewhere, options, message):
     assert re.search(message, refused(2, "statistics", bed, *options.split()))
     assert list(elsewhere.iterdir()) == []
-
-
-def test_a_results_file_is_for_one_file(refused, flow, tmp_path):
-    path, _ = flow
-    message = "-o keeps the results of one file"
-    assert message in refused(2, "statistics", path, path, *TUBE, "-o", tmp_path / "r.h5")
-    assert message in refused(2, "statistics", tmp_path / "*.dump", *TUBE, "--all-frames", "-o", tmp_path / "r.h5")
 
 
 def test_a_place_that_cannot_be_written_shows_before_the_measuring(refused, bed, monkeypatch):

@@ -10,29 +10,24 @@ import sys
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import cyclopts
 from cyclopts import App, Parameter
 
 from bedrad import __version__
 from bedrad.command_options import (
-    BedOptions,
     Density,
     DryRun,
     Length,
-    Output,
     Seed,
     Stiffness,
     check_bed_output,
-    check_output,
-    compiling_told,
     ended_like_ctrl_c,
     fail,
     list_files,
     parse_size,
     progress_bars,
-    save,
     say,
     warning_printer,
 )
@@ -46,6 +41,7 @@ from bedrad.report_command import report
 from bedrad.run_command import run
 from bedrad.show_command import show
 from bedrad.statistics_command import statistics
+from bedrad.view_factors_command import view_factors
 
 __all__ = ["app", "main"]
 
@@ -169,66 +165,12 @@ app.command(
 )
 
 
-@app.command(help_epilogue="Example:  bedrad view-factors bed.h5 --tolerance 1e-4\n\n"
-             "A dump:  bedrad view-factors bed.dump --tube 7.75mm --rays 4194304 --seed 2 -o factors.h5")  # fmt: skip
-def view_factors(
-    file: Path,
-    /,
-    *,
-    bed_options: BedOptions | None = None,
-    tolerance: float | None = None,
-    rays: int | None = None,
-    seed: Seed = 0,
-    threads: int | None = None,
-    normalised: Literal["watkins"] | None = None,
-    output: Output = None,
-    dry_run: DryRun = False,
-) -> None:
-    """Trace the view factors from the wall to the layers of a packing, with standard errors.
-
-    Parameters
-    ----------
-    file
-        The packing: a file of any format of docs/formats.md.
-    tolerance
-        Trace until every standard error is below this; 1e-3 if --rays is not given either.
-    rays
-        Trace this many rays instead.
-    seed
-        Seed of the rays.
-    threads
-        Number of threads; all processors if not given. The result does not depend on it.
-    normalised
-        Spread what meets no layer over the layers, as the publication named does.
-    output
-        Results file (HDF5) to write.
-    dry_run
-        Read and check the packing and say what would be traced.
-    """
-    import bedrad
-
-    options = bed_options or BedOptions()
-    bed, edges = options.read(file)
-    if dry_run:
-        options.describe(bed, edges)
-        return
-    check_output("view_factors", output)
-    with compiling_told(), progress_bars() as report:
-        found = bedrad.view_factors(
-            bed, edges, tolerance, rays, seed, window=bed.window(options.margin), threads=threads,
-            progress=lambda share, text: report("view factors", share, text),
-        )  # fmt: skip
-    if normalised is not None:
-        found = found.normalised(normalised)
-    say(str(found))
-    ends = options.ends_left_out(bed)
-    if ends is not None:
-        say(f"left out: {ends}")
-    if output is not None:
-        from bedrad.jobs.stages import fill_view_factors
-
-        save("view_factors", lambda group: fill_view_factors(group, found), file, output)
-
+app.command(
+    view_factors,
+    help_epilogue="Example:  bedrad view-factors bed.h5 --tolerance 1e-4\n\n"
+    "A dump:  bedrad view-factors bed.dump --tube 7.75mm --rays 4194304 --seed 2 -o factors.h5\n\n"
+    "The mean over a flow:  bedrad view-factors 'flow_*.h5'",
+)
 
 app.command(
     convert,

@@ -8,20 +8,23 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import cyclopts
 from cyclopts import Group, Parameter
-from rich.console import Console
 from rich.text import Text
+
+from bedrad.errors import visible
+from bedrad.screen import Screen, visible_lines
 
 if TYPE_CHECKING:
     from bedrad.packings.packing import Packing
     from bedrad.walls import Wall
 
-OUTPUT, NOTES = Console(), Console(stderr=True)
-"""Results go to the one, progress, warnings and errors to the other."""
+OUTPUT, NOTES = Screen(), Screen(stderr=True)
+"""Results go to the one, progress, warnings and errors to the other; neither lets a text steer the terminal."""
 
 
 def read_as(unit: str) -> Any:
@@ -232,6 +235,25 @@ class BedOptions(ReadOptions):
         bed = self.read_packing(file)
         return bed, bedrad.layer_edges(bed, self.layers)
 
+    def read_several(
+        self, file: Path, *more: Path, all_frames: bool
+    ) -> tuple[Packing, Any, Iterator[Packing], list[Path]]:
+        """Read frames one by one: the first, depths of its layers, those that follow, the files; or the only one."""
+        from bedrad.packings.files import files_of
+        from bedrad.packings.files.sources import is_pattern
+
+        if not (all_frames or more or is_pattern(file)):
+            return *self.read(file), iter(()), [file]
+        import bedrad
+
+        frames = chain.from_iterable(self.read_frames(source) for source in (file, *more))
+        first = next(frames, None)
+        if first is None:
+            raise ValueError(f"{file}: holds no frames; there is nothing to measure")
+        self.tell_wall(first)
+        sources = [each for given in (file, *more) for each in files_of(given)]
+        return first, bedrad.layer_edges(first, self.layers), frames, sources
+
     def describe(self, bed: Packing, edges: Any) -> None:
         """Print what would be measured."""
         window = bed.window(self.margin)
@@ -269,25 +291,25 @@ def check_bed_output(output: Path, *, place: bool = True) -> None:
         check_writable(output)
 
 
-def save(stage: str, fill: Any, source: Path, output: Path | None) -> None:
-    """Write a record to a results file, if one was asked for."""
+def save(stage: str, fill: Any, output: Path | None, *sources: Path) -> None:
+    """Write a record of what was measured in files to a results file, if one was asked for."""
     if output is None:
         return
     from bedrad.jobs.results import save_record
 
-    save_record(output, stage, fill, source)
+    save_record(output, stage, fill, *sources)
     list_files([output])
 
 
 def say(text: str) -> None:
-    """Print a line of results as it is."""
-    OUTPUT.print(text, highlight=False, markup=False, soft_wrap=True)
+    """Print a line of results, or several, as they are."""
+    OUTPUT.print(visible_lines(text), soft_wrap=True)
 
 
 def list_files(paths: list[Path]) -> None:
     """Print the files that were written."""
     for path in paths:
-        say(f"wrote {path}")
+        say(f"wrote {visible(str(path))}")
 
 
 @contextmanager
@@ -296,11 +318,11 @@ def progress_bars() -> Iterator[Any]:
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
     columns = (
-        TextColumn("{task.description:<13}"),
+        TextColumn("{task.description:<13}", markup=False),
         BarColumn(bar_width=30),
         TaskProgressColumn(),
         TimeRemainingColumn(elapsed_when_finished=True),
-        TextColumn("{task.fields[note]}"),
+        TextColumn("{task.fields[note]}", markup=False),
     )
     with Progress(*columns, console=NOTES) as bars:
         tasks: dict[str, Any] = {}
@@ -345,7 +367,7 @@ def compiling_told() -> Iterator[None]:
 
 
 def _note(text: str) -> None:
-    NOTES.print(text, highlight=False, markup=False, emoji=False, soft_wrap=True)
+    NOTES.print(visible_lines(text), soft_wrap=True)
 
 
 @contextmanager
@@ -373,7 +395,7 @@ def warning_printer() -> Callable[..., None]:
         text = " ".join(str(message).split())
         if text not in shown:
             shown.add(text)
-            NOTES.print(f"warning: {text}", highlight=False, markup=False, emoji=False, style="yellow", soft_wrap=True)
+            NOTES.print(f"warning: {visible(text)}", style="yellow", soft_wrap=True)
 
     return show
 
@@ -382,6 +404,6 @@ def fail(error: BaseException | str, code: int) -> int:
     """Print an error as one line and pass on the exit code."""
     text = str(error) or type(error).__name__
     if isinstance(error, OSError) and error.filename is not None and error.strerror:
-        text = f"{error.filename}: {error.strerror}"
-    NOTES.print(f"bedrad: {text}", highlight=False, markup=False, emoji=False, style="red", soft_wrap=True)
+        text = f"{visible(str(error.filename))}: {error.strerror}"
+    NOTES.print(f"bedrad: {visible_lines(text)}", style="red", soft_wrap=True)
     return code

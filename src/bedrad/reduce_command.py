@@ -121,11 +121,13 @@ def reduce(
     """
     from bedrad.heat import measured_flow
     from bedrad.heat.materials import MATERIALS
-    from bedrad.jobs.measurements import reduce_measurements
+    from bedrad.jobs.measurements import read_measurements, reduce_measurements
     from bedrad.report.measured_screen import measured_screen
 
     known = MATERIALS[material]
     missing = None if output is None else _check(output, table)
+    # before what else is wanted: a table that is missing or broken
+    read_measurements(table, heated_length)
     k_b, k_b_error, notes = _bulk(diameter, material, bulk_conductivity, bulk_conductivity_error)
     c_p: Any = known if specific_heat is None else specific_heat
     notes.append(

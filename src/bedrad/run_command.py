@@ -20,10 +20,12 @@ from bedrad.command_options import (
     progress_bars,
     say,
 )
+from bedrad.errors import visible
 
 if TYPE_CHECKING:
     from bedrad.jobs.crew import Crew
     from bedrad.jobs.job import Job
+    from bedrad.jobs.results import Results
 
 __all__ = ["run"]
 
@@ -91,11 +93,7 @@ def _run_one(job: Job, path: Path) -> int:
     from bedrad.report.terminal import summary
 
     if job.output.figures:
-        # a missing library shows before the computing, not after
-        from bedrad.report.style import styled
-
-        with styled():
-            pass
+        _check_figures()
     with compiling_told(), progress_bars() as report:
         results = run_job(job, path, report)
     OUTPUT.print(summary(results))
@@ -116,9 +114,9 @@ def _plan_many(job: Job, path: Path) -> int:
     what = ", ".join(_stages(job)) or "settled, nothing measured"
     say(f"{'run':<9} {len(plan.members) - len(plan.done):,} beds: {what}")
     for failure in plan.unread:
-        say(f"{'failed':<9} {failure.label}: {failure.error}")
+        say(visible(f"{'failed':<9} {failure.label}: {failure.error}"))
     for failure in plan.repeated:
-        say(f"{'left out':<9} {failure.label}: {failure.error}")
+        say(visible(f"{'left out':<9} {failure.label}: {failure.error}"))
     if job.convergence is not None:
         say(f"{'left out':<9} convergence: it is about one bed")
     say(f"results   {path}")
@@ -126,10 +124,27 @@ def _plan_many(job: Job, path: Path) -> int:
 
 
 def _stages(job: Job) -> list[str]:
-    return [name for name in ("statistics", "view_factors", "prediction") if getattr(job, name) is not None]
+    flow = ["flow"] if job.packing is not None and job.packing.flow is not None else []
+    return flow + [name for name in ("statistics", "view_factors", "prediction") if getattr(job, name) is not None]
+
+
+def _check_figures() -> None:
+    """Let a missing library show before the computing, not after."""
+    from bedrad.report.style import styled
+
+    with styled():
+        pass
+
+
+def _has_figure(job: Job) -> bool:
+    """Whether a job on many beds has something beside seeds to draw its means against."""
+    swept = {} if job.sweep is None else job.sweep.values()
+    return job.output.figures and any(len(values) > 1 for name, values in swept.items() if name != "seed")
 
 
 def _run_many(job: Job, path: Path, workers: int | None, cluster: str | None) -> int:
+    if _has_figure(job):
+        _check_figures()
     with _crew(workers, cluster) as crew:
         # the workers load what they need at the same time
         from bedrad.jobs.ensemble import run_ensemble
@@ -140,8 +155,10 @@ def _run_many(job: Job, path: Path, workers: int | None, cluster: str | None) ->
             outcome = run_ensemble(job, path, crew, report)
     OUTPUT.print(summary(outcome.results))
     for failure in outcome.repeated:
-        say(f"left out: {failure.label} is {failure.error}")
+        say(visible(f"left out: {failure.label} is {failure.error}"))
     written = write_tables(outcome.results, path.parent) if job.output.tables else []
+    if _has_figure(job):
+        written += _sweep_figure(outcome.results, path)
     list_files([path, *written])
     if not outcome.failed:
         return 0
@@ -149,6 +166,18 @@ def _run_many(job: Job, path: Path, workers: int | None, cluster: str | None) ->
         fail(f"{failure.label}: {failure.error.removeprefix(f'{failure.label}: ')}", 1)
     count, whole = len(outcome.failed), outcome.kept + outcome.done + len(outcome.failed)
     return fail(f"{count:,} of {whole:,} beds failed, the others are kept; the same command tries them again", 1)
+
+
+def _sweep_figure(results: Results, path: Path) -> list[Path]:
+    """Draw the sweep, where two beds of it at least are there."""
+    from bedrad.report.ensemble_records import load_ensemble
+    from bedrad.report.style import save_beside, styled
+    from bedrad.report.sweep_figure import sweep_figure
+
+    record = load_ensemble(results)
+    with styled():
+        figure = sweep_figure(record)
+        return [] if figure is None else save_beside({"sweep": figure}, path.with_suffix(""), record.name)
 
 
 @contextmanager

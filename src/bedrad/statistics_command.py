@@ -73,28 +73,17 @@ def statistics(
     print_only
         Write no tables and figures.
     output
-        Results file (HDF5) to write.
+        Results file (HDF5) to write: the mean over all frames, with the checksums of all files.
     dry_run
         Read and check the packing and say what would be measured.
     """
     import bedrad
     from bedrad.jobs.comparison import check_comparable, compare_with_correlations
-    from bedrad.packings.files.sources import is_pattern
     from bedrad.packings.unrolled_wall import unrolled_wall
     from bedrad.report.statistics_screen import statistics_screen
 
     options = bed_options or BedOptions()
-    several = all_frames or bool(more) or is_pattern(file)
-    if several and output is not None and (more or not file.is_file()):
-        raise ValueError("-o keeps the results of one file with its checksum; leave it out for several files")
-    if several:
-        frames = chain.from_iterable(options.read_frames(source) for source in (file, *more))
-        first = next(frames)
-        options.tell_wall(first)
-        edges = bedrad.layer_edges(first, options.layers)
-    else:
-        first, edges = options.read(file)
-        frames = chain()
+    first, edges, frames, sources = options.read_several(file, *more, all_frames=all_frames)
     if velocity is not None:
         check_comparable(first.wall, velocity)
     if dry_run:
@@ -120,7 +109,7 @@ def statistics(
     if output is not None:
         from bedrad.jobs.stages import fill_statistics
 
-        save("statistics", lambda group: fill_statistics(group, found), file, output)
+        save("statistics", lambda group: fill_statistics(group, found), output, *sources)
 
 
 def _noting(frames: Iterable[Packing], velocities: list[float | None]) -> Iterator[Packing]:

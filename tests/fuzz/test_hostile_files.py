@@ -14,6 +14,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+import bedrad
+from bedrad.packings.files.hdf5_reader import Reader
+
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "benchmarks"))
 try:
@@ -66,6 +69,16 @@ def refuse_badly() -> None:
     raise ValueError("x\n\x1b[31m")
 
 
+def die_of_it() -> None:
+    raise bedrad.BadFileError("a.h5: the HDF5 library ended with signal 11 (SIGSEGV) while it read the file")
+
+
+def start_the_reader(path: Path) -> None:
+    reader = Reader()
+    assert reader.ask("is_edem", path) is False
+    reader.close()
+
+
 def misbehave(path: Path, rng: Random) -> None:
     """What no reader should do, one kind after the other: by the number in the file."""
     kinds = (
@@ -79,6 +92,8 @@ def misbehave(path: Path, rng: Random) -> None:
         refuse_badly,
         lambda: os._exit(3),
         lambda: [None for _ in iter(int, 1)],
+        die_of_it,
+        lambda: start_the_reader(path),
     )
     kinds[int(path.read_text())]()
 
@@ -94,7 +109,7 @@ def test_the_campaign_finds_what_it_looks_for(tmp_path: Path, monkeypatch: pytes
 
     monkeypatch.setattr(fuzz, "make", numbered)
     found = {}
-    for number in range(10):
+    for number in range(12):
         target = fuzz_targets.Target(str(number), 1.0, [], misbehave)
         campaign = fuzz.Campaign(1, tmp_path / f"{number}.json", tmp_path / "findings")
         campaign.run_target(target, 1)
@@ -110,7 +125,10 @@ def test_the_campaign_finds_what_it_looks_for(tmp_path: Path, monkeypatch: pytes
         "ValueError: no line that can be shown",
         "the process ended (3)",
         "more than 1 s",
+        # and what is told, but right
+        "the HDF5 library died of it",
+        "read",
     ]
-    assert len(list((tmp_path / "findings").iterdir())) == 9
+    assert len(list((tmp_path / "findings").iterdir())) == 10
     # the next run goes on where this one ended
     assert fuzz.Campaign(1, tmp_path / "0.json", tmp_path / "findings").records["0"].done == 1

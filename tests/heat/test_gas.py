@@ -160,3 +160,19 @@ def test_range_and_refusals():
         gas.air_density(300.0, 0.0)
     with pytest.raises(ValueError, match="temperature is nan K"):
         gas.air_properties(np.nan)
+
+
+def test_specific_heat_is_refused_where_its_series_leads_astray():
+    T = np.linspace(2000.0, 1e4, 50)
+    with pytest.warns(RangeWarning, match="air_specific_heat"):
+        c_p = gas.air_specific_heat(T)
+    # a gas of two atoms has no more than 9/2 R, and the electronic part
+    assert (np.diff(c_p) > 0.0).all()
+    assert c_p[-1] < 5.0 * gas.AIR_GAS_CONSTANT
+
+
+@pytest.mark.filterwarnings("ignore::bedrad.heat.RangeWarning")
+@pytest.mark.parametrize("function", [gas.air_specific_heat, gas.air_prandtl_number, gas.air_properties])
+def test_no_specific_heat_of_what_is_no_gas_of_molecules_any_more(function):
+    with pytest.raises(ValueError, match=r"temperature is 1e\+12 K; expected .* at most 10000$"):
+        function([300.0, 1e12])

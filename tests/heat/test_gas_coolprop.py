@@ -92,6 +92,17 @@ def test_states_that_are_not_gases():
     assert record[0].filename == __file__
 
 
+@needs_coolprop
+@pytest.mark.parametrize("name", ["air", "N2", "He", "Ar", "CO2"])
+def test_nothing_is_said_of_what_is_no_gas_of_molecules_any_more(name):
+    with pytest.raises(ValueError, match=r"temperature is 1e\+12 K; expected .* at most 10000$"):
+        gas.properties(name, [300.0, 1e12])
+    with pytest.warns(RangeWarning, match="temperature is 10000 K, outside the fitted range"):
+        hottest = gas.properties(name, 1e4)
+    for value in (hottest.conductivity, hottest.viscosity, hottest.specific_heat, hottest.density):
+        assert 0.0 < value < np.inf
+
+
 def test_without_coolprop_the_message_names_the_command(monkeypatch):
     real = builtins.__import__
 

@@ -313,7 +313,7 @@ def test_results_that_cannot_be_written_at_the_end_lose_nothing(job_file, monkey
     def refuse(*_):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "r.h5")
 
-    monkeypatch.setattr("bedrad.jobs.results._write", refuse)
+    monkeypatch.setattr("bedrad.jobs.results.atomic_path", refuse)
     with pytest.raises(OSError, match="No space"):
         run(job_file)
     monkeypatch.undo()

@@ -211,8 +211,11 @@ def test_a_missing_key_is_named(text, field):
     [
         ("", "job: nothing to do: give a [packing] or a [prediction]"),
         (TUBE, "job: nothing to do: give a [packing] or a [prediction]"),
-        ("[packing]\n", "packing: give one source of the bed, [packing.settle] or [packing.file]"),
-        (TUBE + SETTLE + FILE, "packing: give one source of the bed, [packing.settle] or [packing.file]"),
+        ("[packing]\n", "packing: give one source of the bed, [packing.settle], [packing.flow] or [packing.file]"),
+        (
+            TUBE + SETTLE + FILE,
+            "packing: give one source of the bed, [packing.settle], [packing.flow] or [packing.file]",
+        ),
         (SETTLE, "job: [packing.settle] needs a [wall]"),
         (ROD + SETTLE, "job: [packing.settle] is for a tube; the wall is a rod"),
         (PLATE + SETTLE, "job: [packing.settle] is for a tube; the wall is a plate"),

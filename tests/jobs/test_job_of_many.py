@@ -43,12 +43,12 @@ def test_which_jobs_name_many_beds(tmp_path):
         ),
         (MANY.replace('"beds/*.h5"', "[]"), "packing.file.path"),
         (MANY + "[sweep]\nseed = [1]\n", "[sweep] needs a [packing.settle]"),
-        (SETTLED + "[sweep]\n", "sweep: give a list of tube_diameter, particle_diameter or seed"),
+        (SETTLED + "[sweep]\n", "sweep: give a list of tube_diameter, particle_diameter, velocity or seed"),
         (SETTLED + "[sweep]\nseed = [1, 1]\n", "sweep: seed names a value twice"),
         (SETTLED + "[sweep]\nseed = [-1]\n", "sweep.seed.0"),
         (SETTLED + '[sweep]\ntube_diameter = ["2 mm"]\n', "the last layer would end"),
         (SETTLED + "[sweep]\nseed = { count = 1000001 }\n", "sweep.seed.count"),
-        (SETTLED + "[sweep]\nvelocity = [1]\n", "sweep.velocity: unknown key"),
+        (SETTLED + "[sweep]\nheight = [1]\n", "sweep.height: unknown key"),
         (
             SETTLED.replace('diameter = "0.6 mm"', 'sizes = [{ diameter = "0.6 mm", share = 1.0 }]')
             + '[sweep]\nparticle_diameter = ["0.5 mm"]\n',

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bedrad.errors import BadFileError, EngineFailedError
-from bedrad.jobs import stages
+from bedrad.jobs import prediction_stage, stages
 from bedrad.jobs.job import load_job
 from bedrad.jobs.pipeline import make_plan, run_job
 from bedrad.jobs.results import Results
@@ -311,17 +311,17 @@ def test_results_that_are_something_else_are_left_alone(job_file, no_stage):
 
 def test_a_distance_that_cannot_be_measured_is_replaced_and_told():
     found = {"no_contacts": 5, "nc_distance_closing": np.nan, "nc_distance": 0.4}
-    assert stages._nc_distance(found, "mean") == "nc_distance"
+    assert prediction_stage._nc_distance(found, "mean") == "nc_distance"
     with pytest.warns(UserWarning, match="no nc_distance_closing for this bed"):
-        assert stages._nc_distance(found, "closing") == "nc_distance_weighted"
+        assert prediction_stage._nc_distance(found, "closing") == "nc_distance_weighted"
     # without such particles any distance is as good
-    assert stages._nc_distance(found | {"no_contacts": 0}, "closing") is None
+    assert prediction_stage._nc_distance(found | {"no_contacts": 0}, "closing") is None
 
 
 def test_an_unknown_error_is_told_not_taken_for_certainty():
     with pytest.warns(UserWarning, match="no standard error of packing_fraction"):
-        assert stages._known(np.nan, "packing_fraction") == 0.0
-    assert stages._known(0.25, "packing_fraction") == 0.25
+        assert prediction_stage._known(np.nan, "packing_fraction") == 0.0
+    assert prediction_stage._known(0.25, "packing_fraction") == 0.25
 
 
 def test_the_budget_of_uncertainty_stays_with_the_prediction(job_file):

@@ -311,6 +311,7 @@ def hostile(tmp_path, change):
     write(results)
     with h5py.File(results.path, "r+") as file:
         change(file)
+    os.utime(results.path, (1.0, 1.0))
     return results
 
 
@@ -319,9 +320,43 @@ def endless(group):
         group = group.create_group("more")
 
 
+@pytest.mark.parametrize(("version", "shown"), [([1, 1], r"array\(\[1, 1\]\)"), ("x" * 60_000, "'x{39}")])
+def test_a_version_that_is_no_number_is_one_error(tmp_path, version, shown):
+    results = hostile(tmp_path, lambda file: file.attrs.__setitem__("schema_version", version))
+    with pytest.raises(BadFileError, match=rf"not a bedrad results file of schema version 1 \(it has {shown}\)"):
+        results.digests()
+
+
+def many(group):
+    for number in range(9):
+        group.create_dataset(f"a{number}", 400_000, "f8", chunks=(1000,))
+
+
+def of_many_names(group):
+    dataset = group.create_dataset("a", data=np.zeros(100_000))
+    for number in range(200):
+        group[f"a{number}"] = dataset
+
+
+def elsewhere(file):
+    layout = h5py.VirtualLayout((1,), "f8")
+    layout[:] = h5py.VirtualSource("other.h5", "a", (1,))
+    file["statistics"].create_virtual_dataset("a", layout)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
+        (lambda file: many(file["statistics"]), "its datasets hold 19200.* bytes and more together"),
+        (lambda file: of_many_names(file["statistics"]), "its datasets hold .* bytes and more together"),
+        (lambda file: file["statistics"].__setitem__("a", file["statistics"]), "a: is a group that has another name"),
+        (lambda file: file["statistics"].__setitem__("a", file["/"]), "a: is a group that has another name"),
+        (lambda file: file["statistics"].__setitem__(b"\xff", 1.0), "/statistics: holds b'.xff', a name that is not"),
+        (
+            lambda file: file["statistics"].attrs.__setitem__(b"\xff", 1.0),
+            "/statistics: the attribute b'.xff' has a na",
+        ),
+        (elsewhere, "a: its values lie in other files"),
         (lambda file: file["statistics"].__setitem__("a", h5py.SoftLink("/statistics")), "statistics/a: is a link to"),
         (
             lambda file: file["statistics"].__setitem__("a", h5py.ExternalLink("/etc/hosts", "/")),

@@ -234,6 +234,14 @@ def test_an_overlap_limit_that_is_no_real_number(tmp_path: Path) -> None:
         read(tmp_path / "a.h5")
 
 
+def test_a_name_that_is_no_text(tmp_path: Path) -> None:
+    write(Packing([[0.0, 0.0, 0.0]], 0.5, Tube(1.0)), tmp_path / "a.h5")
+    with h5py.File(tmp_path / "a.h5", "r+") as file:
+        file["packing/provenance"].attrs[b"\xff"] = 1
+    with pytest.raises(BadFileError, match=r"/packing/provenance: the attribute b'\\xff' has a name that is not UTF-8"):
+        read(tmp_path / "a.h5")
+
+
 @pytest.mark.parametrize("size", [0, 8, 2**63, 2**64 - 8])
 def test_a_heap_of_texts_with_a_false_size(tmp_path: Path, size: int) -> None:
     # the library would go through free space of no size for ever
@@ -247,7 +255,5 @@ def test_a_heap_of_texts_with_a_false_size(tmp_path: Path, size: int) -> None:
         place += 16 + -(-length // 8) * 8
     struct.pack_into("<Q", data, start + 8, size)
     path.write_bytes(data)
-    with pytest.raises(
-        BadFileError, match=r"a\.h5: damaged or cut-off HDF5 file \(a heap of texts with a false size\)"
-    ):
+    with pytest.raises(BadFileError, match=r"a\.h5: damaged or cut-off HDF5 file: a heap of texts with a false size"):
         read(path)

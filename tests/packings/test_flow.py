@@ -155,6 +155,8 @@ class TestInterrupted:
         assert 0 < step <= found.plan.fill_steps + found.plan.flush_steps
         assert len(resumed) == len(found)
         assert not list(work.glob("flow.restart.*"))
+        # who reads the frames later is told too
+        assert run(work_dir=work, executable=tmp_path / "nothing")[0].provenance["resumed_at_step"] == step
         # the same flow but for rounding, which chaos makes another one of the same kind
         m, n = found.measures, resumed.measures
         assert abs(m.velocity - n.velocity) < 5.0 * math.hypot(m.velocity_error, n.velocity_error)
@@ -176,6 +178,7 @@ class TestInterrupted:
         resumed = run(work_dir=work)
         step = resumed[0].provenance.get("resumed_at_step")
         assert step is None or int(step) < int(newest.suffix[1:])
+        assert run(work_dir=work)[0].provenance.get("resumed_at_step") == step
         assert len(resumed) == 6
 
     def test_a_lammps_that_cannot_start_costs_no_restart_file(self, tmp_path: Path) -> None:

@@ -92,6 +92,19 @@ def test_a_frozen_bed_with_a_little_noise_is_one_structure():
     assert np.median(structures) == pytest.approx(1.0, abs=0.05)
 
 
+@pytest.mark.parametrize(("crossing", "scale"), [(80, 1.0), (40, 1.0), (16, 2.0)])
+def test_noise_of_the_measurement_does_not_pass_for_renewal(crossing, scale):
+    """A bed that hardly moves, seen with noise as large as its own scatter: frames differ, the bed stays the same."""
+    frames = 50
+    cells = travelling(frames, crossing, 400, seed=crossing)
+    cells += scale * np.random.default_rng(7).normal(size=cells.shape)
+    noise = np.full(400, scale**2 / PIECES)
+    true = np.sqrt((cells.mean(axis=(0, 1)) ** 2).mean())
+    told, blind = (np.sqrt((errors_of_mean(cells, *known)[0] ** 2).mean()) for known in ((noise,), ()))
+    assert 0.85 * true < told < 1.3 * true
+    assert blind < 0.9 * told
+
+
 def test_pieces_that_change_together_are_not_taken_for_independent():
     # one value for all pieces: the pieces differ by little, the frames by much
     common = autoregressive(400, 3, (1, RUNS), seed=7)

@@ -21,7 +21,10 @@ from bedrad.report.ensemble_tables import write_tables
 ATTRIBUTES = {"job": '{"name": "made up"}', "inputs": "{}"}
 
 
-def make(path, diameters, seeds=(1, 2, 3), warn=0):
+A_FAILURE = Failure("a bad one", "no [reason] at all")
+
+
+def make(path, diameters, seeds=(1, 2, 3), warn=0, failures=(A_FAILURE,)):
     """Results of beds whose numbers are known: solid fraction .4 + seed/100, view factors with an error of .003."""
     store, members = EnsembleStore(path), []
     for d in diameters:
@@ -41,7 +44,7 @@ def make(path, diameters, seeds=(1, 2, 3), warn=0):
             members.append(
                 Member(f"bed {len(members)}", key, {"statistics": "s", "view_factors": "v"}, 9, values=values)
             )
-    store.merge(members, [Failure("a bad one", "no [reason] at all")], ATTRIBUTES)
+    store.merge(members, list(failures), ATTRIBUTES)
     return Results(path)
 
 
@@ -82,16 +85,35 @@ def test_tables_have_a_row_a_number_and_a_row_a_bed(tmp_path):
         assert list(csv.DictReader(stream)) == [{"label": "a bad one", "error": "no [reason] at all"}]
 
 
+def test_a_table_of_failures_goes_when_nothing_fails_any_more(tmp_path):
+    kept, table = [tmp_path / "r_means.csv", tmp_path / "r_beds.csv"], tmp_path / "r_failures.csv"
+    assert write_tables(make(tmp_path / "r.h5", [5e-4]), tmp_path) == [*kept, table]
+    results = make(tmp_path / "r.h5", [5e-4], failures=())
+    assert write_tables(results, tmp_path) == kept
+    assert sorted(tmp_path.glob("*.csv")) == sorted(kept)
+    # a file of that name that is none of ours stays
+    table.write_text("label,reason\nmine,too\n")
+    assert write_tables(results, tmp_path) == kept
+    assert table.read_text() == "label,reason\nmine,too\n"
+
+
 def test_the_screen_has_a_table_a_group_and_tells_of_failures_and_warnings(tmp_path):
     text = screen(make(tmp_path / "r.h5", [5e-4, 6e-4], warn=5))
     assert text.startswith("made up")
     assert "3 beds: particle diameter 0.5 mm" in text
     assert "3 beds: particle diameter 0.6 mm" in text
-    assert "0.4200 ± 0.0058" in text
+    # three beds scatter by .0058 about their mean, and state .02 each
+    assert "0.420 ± 0.012" in text
     assert "1 beds failed: see the table of failures" in text
     assert text.count("6 beds warn: ") == 3
     assert "and 2 other warnings" in text
     assert max(map(len, text.splitlines())) <= 80
+
+
+def test_of_many_beds_the_scatter_alone_counts(tmp_path):
+    text = screen(make(tmp_path / "r.h5", [5e-4], seeds=tuple(range(1, 10))))
+    error = np.std(np.arange(1, 10) / 100, ddof=1) / 3
+    assert f"0.4500 ± {error:.4f}" in text
 
 
 def test_many_groups_are_cut_short(tmp_path):

@@ -1,6 +1,7 @@
 """Figures: what is drawn is what the results hold, axes name their units, and a file is whole or not there."""
 
 import errno
+import itertools
 import subprocess
 import sys
 
@@ -258,6 +259,64 @@ def test_rays_above_the_run_time_stand_at_their_run_times(figures, whole):
     assert list(ticks)[-1] == names[-1]
     for name, place in ticks.items():
         assert place == pytest.approx(expected[name], rel=1e-12)
+
+
+def of_runs(fabricate, rays, seconds):
+    """The axes of the convergence figure of these runs: by time, by rays, rays above the time."""
+
+    def change(data):
+        for name in ("true_error", "stated_error"):
+            data[name] = data[name][: len(rays)]
+        data |= {"rays": np.array(rays), "seconds": np.array(seconds)}
+
+    figure = render(fabricate().add("convergence", change).results)["convergence"]
+    return figure, figure.axes
+
+
+@pytest.mark.parametrize(
+    ("rays", "seconds"),
+    [
+        ([4096], [0.02]),
+        ([4096, 4096, 4096], [0.02, 0.02, 0.02]),
+        ([1024, 2048, 4096], [0.02, 0.02, 0.02]),
+        ([100_000, 120_000], [0.9, 1.1]),
+        ([131_072, 262_144], [1.3e-5, 1.9e-5]),
+    ],
+)
+def test_few_or_equal_runs_stand_in_the_middle_of_axes_a_decade_long(fabricate, rays, seconds):
+    figure, (by_time, by_rays, above) = of_runs(fabricate, rays, seconds)
+    for axes, values in ((by_time, seconds), (by_rays, rays)):
+        low, high = np.log10(axes.get_xlim())
+        assert high - low == pytest.approx(1.1)
+        assert 0.5 * (low + high) == pytest.approx(0.5 * np.log10(values[0] * values[-1]))
+    assert above.get_xlim() == by_time.get_xlim()
+    assert set(above.get_xticks()) <= set(seconds)
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    for axes in (by_time, by_rays, above):
+        low, high = axes.get_xlim()
+        shown = [
+            text.get_window_extent(renderer)
+            for place, text in zip(axes.get_xticks(), axes.get_xticklabels(), strict=True)
+            if low <= place <= high and text.get_text()
+        ]
+        assert len(shown) >= (1 if axes is above else 3)
+        assert all(left.x1 < right.x0 for left, right in itertools.pairwise(shown))
+        assert not any(text.get_text() for text in axes.xaxis.get_minorticklabels())
+
+
+def test_the_stated_error_of_a_single_run_is_seen(fabricate):
+    _, (by_time, *_) = of_runs(fabricate, [4096], [0.02])
+    stated = [line for line in by_time.get_lines() if line.get_marker() == "_"]
+    assert len(stated) == 2  # the other four targets are met by too few of 4096 rays
+
+
+def test_a_run_that_took_no_time_that_could_be_measured_is_left_out(fabricate):
+    _, (by_time, by_rays, above) = of_runs(fabricate, [4096, 8192], [0.0, 0.045])
+    assert above.get_xticks() == pytest.approx([0.045])
+    assert [text.get_text() for text in above.get_xticklabels()] == ["8.19 k"]
+    drawn = by_time.containers[0].lines[0].get_xydata()
+    assert np.isnan(drawn[:, 0]).sum() == 1
+    assert len(by_rays.containers[0].lines[0].get_xydata()) == 2
 
 
 def test_a_stated_error_of_zero_is_not_drawn(fabricate):

@@ -167,6 +167,8 @@ def test_groups_without_words_of_their_own_are_shown_as_they_stand(results, tmp_
         group.create_dataset("words", data=["a", "b"])
         group.create_dataset("word", data="<i>")
         group.create_dataset("none", data=h5py.Empty("f8"))
+        # links lead round in a circle, or nowhere
+        group["again"], file["ghost"] = h5py.SoftLink("/alchemy"), h5py.SoftLink("/nowhere")
         for k in range(100):
             group.create_dataset(f"z{k}", data=k)
     page = Page(make_page(Results(path)))

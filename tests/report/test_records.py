@@ -38,6 +38,28 @@ def test_with_error(value, error, text):
     assert records.with_error(value, error) == text
 
 
+def test_no_value_is_none_and_no_error_is_an_empty_cell():
+    assert records.value_text(math.nan, 0.1) == "none"
+    assert records.value_text(0.4501, 0.0029) == "0.4501 ± 0.0029"
+    assert records.value_text(0.4501, math.nan) == "0.450"
+    assert records.error_text(math.nan) == ""
+    assert records.error_text(1.234e-3) == "1.2e-03"
+
+
+@pytest.mark.parametrize(
+    ("count", "most", "rows"), [(1, 6, [0]), (3, 6, [0, 1, 2]), (21, 6, [0, 4, 8, 12, 16, 20]), (5, 2, [0, 4])]
+)
+def test_rows_are_shown_evenly_with_the_first_and_the_last(count, most, rows):
+    assert records.evenly(count, most).tolist() == rows
+
+
+def test_the_jobs_own_cases_are_parted_from_the_published():
+    found = {"measured": {"a": 1}, "configuration_2": {"a": 2}, "correlations": {"a": 3}}
+    own, published = records.own_and_published(found)
+    assert own == {"measured": {"a": 1}, "correlations": {"a": 3}}
+    assert published == {"configuration_2": {"a": 2}}
+
+
 def test_cases_come_in_order_and_by_temperature(fabricate):
     def shuffle(prediction):
         for _, _, case in prediction.values():

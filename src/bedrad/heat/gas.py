@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bedrad.heat import gas_coolprop
-from bedrad.heat.ranges import FloatArray, plain, positive, warn_outside
+from bedrad.heat.ranges import FloatArray, plain, positive, warn_outside, within
 
 __all__ = [
     "AIR_GAS_CONSTANT",
@@ -240,7 +240,7 @@ def air_specific_heat(temperature: ArrayLike) -> FloatArray:
     Raises
     ------
     ValueError
-        If a temperature is not positive.
+        If a temperature is not positive, or above 10,000 K.
 
     Warns
     -----
@@ -248,6 +248,7 @@ def air_specific_heat(temperature: ArrayLike) -> FloatArray:
         Outside 200 to 2000 K.
     """
     T = positive("temperature", temperature, "K")
+    within("temperature", T, 0.0, gas_coolprop.HOTTEST, "K")
     warn_outside("air_specific_heat (Lemmon et al. 2000): temperature", T, *IDEAL_AIR_RANGE, "K")
     share = _power_series(_HEAT_POWERS, T)
     for weight, characteristic in _HEAT_VIBRATIONS:
@@ -310,7 +311,7 @@ def air_prandtl_number(temperature: ArrayLike) -> FloatArray:
     Raises
     ------
     ValueError
-        If a temperature is not positive.
+        If a temperature is not positive, or above 10,000 K.
 
     Warns
     -----
@@ -337,7 +338,7 @@ def air_properties(temperature: ArrayLike) -> GasProperties:
     Raises
     ------
     ValueError
-        If a temperature is not positive.
+        If a temperature is not positive, or above 10,000 K.
 
     Warns
     -----
@@ -380,7 +381,7 @@ def properties(gas: str, temperature: ArrayLike, pressure: ArrayLike = ATMOSPHER
         If CoolProp is not installed.
     ValueError
         If CoolProp does not know the gas or its transport properties, if it is not a gas in a state, or a
-        temperature or pressure is not positive.
+        temperature or pressure is not positive; above 10,000 K.
 
     Warns
     -----

@@ -7,9 +7,13 @@ from types import ModuleType
 
 import numpy as np
 
-from bedrad.heat.ranges import FloatArray, warn_outside
+from bedrad.heat.ranges import FloatArray, warn_outside, within
 
-__all__ = ["evaluate", "source"]
+__all__ = ["HOTTEST", "evaluate", "source"]
+
+HOTTEST = 1e4
+"""Temperature beyond which no property is given: molecules have come apart long before, and atoms begin to lose their
+electrons. Series of powers of T go on without limit; that of the specific heat of air is below zero at 5e4 K. [K]"""
 
 
 def _coolprop() -> ModuleType:
@@ -53,13 +57,14 @@ def evaluate(gas: str, temperature: FloatArray, pressure: FloatArray) -> tuple[s
     ImportError
         If CoolProp is not installed.
     ValueError
-        If CoolProp does not know the gas, or cannot give its properties as a gas.
+        If CoolProp does not know the gas, or cannot give its properties as a gas; above 10,000 K.
 
     Warns
     -----
     RangeWarning
         Outside the temperatures of CoolProp's equation.
     """
+    within("temperature", temperature, 0.0, HOTTEST, "K")
     CoolProp = _coolprop()
     unknown = f"gas is {gas!r}; expected a pure fluid that CoolProp knows, such as 'N2', 'He', 'Ar', 'CO2' or 'air'"
     if not isinstance(gas, str) or any(mark in gas for mark in "&[:"):

@@ -14,7 +14,7 @@ from bedrad.jobs.ensemble_store import EnsembleStore
 from bedrad.jobs.file_section import FileSection
 from bedrad.jobs.job import Job
 from bedrad.jobs.locking import results_lock
-from bedrad.jobs.members import Failure, FileIdentity, Member, file_members, identify, job_files, sweep_members
+from bedrad.jobs.members import Failure, FileIdentity, Member, file_members, identify, job_files, made_members
 from bedrad.jobs.results import Results, check_writable, sha256_of
 from bedrad.jobs.unit_record import UnitRecord, pack
 from bedrad.jobs.unit_work import Found, Task, Work, measure
@@ -152,7 +152,9 @@ def _run(job: Job, store: EnsembleStore, crew: Crew, progress: Progress) -> Outc
 
         try:
             tasks = (_task(member, store) for member in waiting)
-            for number, answer in crew.run(measure, Work.of(job, crew.threads), tasks):
+            # how far a bed is can be seen only where it is made here
+            watch = (lambda share, text: progress("bed", share, text)) if isinstance(crew, Alone) else None
+            for number, answer in crew.run(measure, Work.of(job, crew.threads, watch), tasks):
                 member = waiting[number]
                 _keep(store, member, answer, done, failed)
                 told = f"{len(done):,} measured" + (f", {len(failed):,} failed" if failed else "")
@@ -190,17 +192,18 @@ def _task(member: Member, store: EnsembleStore) -> Task:
     if right:
         record = store.record(member.key)
         earlier = pack(UnitRecord(record.key, {name: record.stages[name] for name in right}, record.warnings))
+    if member.is_flow:
+        return Task(member, earlier, folder=store.flow_folder(member.key))
     bed = store.bed(member.key)
     return Task(member, earlier, bed.read_bytes() if member.values is not None and bed.exists() else None)
 
 
 def _plan(job: Job, store: EnsembleStore, crew: Crew) -> EnsemblePlan:
     found: Iterable[Member | Failure]
-    if job.sweep is not None:
-        found = sweep_members(job)
+    assert job.packing is not None  # noqa: S101 - a job of many beds says where they come from
+    if job.packing.file is None:
+        found = made_members(job)
     else:
-        assert job.packing is not None  # noqa: S101 - a job without a sweep names files
-        assert job.packing.file is not None  # noqa: S101 - the same
         found = file_members(job, _identified(job.packing.file, store.results.path, crew))
     members: dict[str, Member] = {}
     unread: list[Failure] = []
@@ -218,7 +221,8 @@ def _plan(job: Job, store: EnsembleStore, crew: Crew) -> EnsemblePlan:
 
 def _is_done(member: Member, store: EnsembleStore) -> bool:
     finished = store.finished(member.key)
-    if member.values is not None and not store.bed(member.key).exists():
+    # the frames of a flow are many; what was measured stays when they are gone
+    if member.values is not None and not member.is_flow and not store.bed(member.key).exists():
         return False
     return finished is not None and all(finished.get(name) == digest for name, digest in member.digests.items())
 

@@ -112,6 +112,10 @@ class EnsembleStore:
         """Where the bed of a unit is kept, if it was settled."""
         return self.beds / f"bed_{key[:16]}.h5"
 
+    def flow_folder(self, key: str) -> Path:
+        """Where the flow of a unit runs and keeps its frames; a whole path."""
+        return (self.beds / f"flow_{key[:16]}").absolute()
+
     def add_bed(self, key: str, content: bytes) -> None:
         """Keep a settled bed; OSError if it cannot be."""
         self.beds.mkdir(exist_ok=True)

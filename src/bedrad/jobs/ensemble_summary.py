@@ -17,6 +17,17 @@ __all__ = ["AXES", "QUANTITIES", "Mean", "Summary", "summarise"]
 FloatArray = NDArray[np.float64]
 
 QUANTITIES: Mapping[str, tuple[str, ...]] = {
+    "flow": (
+        "velocity",
+        "velocity_fluctuation",
+        "froude",
+        "core_velocity",
+        "wall_velocity",
+        "shear_width",
+        "solid_fraction",
+        "wall_pressure",
+        "granular_temperature",
+    ),
     "statistics": (
         "packing_fraction",
         "contacts_per_area",
@@ -40,6 +51,7 @@ QUANTITIES: Mapping[str, tuple[str, ...]] = {
 """The quantities of each stage whose means are taken."""
 
 AXES: Mapping[str, tuple[str, ...]] = {
+    "flow": (),
     "statistics": ("edges",),
     "view_factors": ("edges",),
     "prediction": ("wall_temperature",),
@@ -80,7 +92,7 @@ class Summary:
     Parameters
     ----------
     groups : mapping
-        Values of what is swept, beside the seeds, one a group, by name. [m]
+        Values of what is swept, beside the seeds, one a group, by name. [m], [m/s]
     units : (groups,) int array
         Beds in each group.
     means : mapping

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 __all__ = [
     "BUDGET",
     "CONVERGENCE",
+    "FLOW",
     "HISTORY",
     "INPUT_UNITS",
     "PREDICTION",
@@ -20,6 +21,29 @@ __all__ = [
 
 Field = tuple[str, str]
 """Units ("1" for none) and long name of a dataset; ``<name>_error`` is understood beside it."""
+
+FLOW: Mapping[str, Field] = {
+    "velocity": ("m/s", "mean velocity of the flow, U"),
+    "set_velocity": ("m/s", "velocity that was asked for"),
+    "froude": ("1", "velocity over the root of g d, U*"),
+    "velocity_fluctuation": ("m/s", "standard deviation in time of the mean velocity"),
+    "core_velocity": ("m/s", "velocity of the plug core"),
+    "wall_velocity": ("m/s", "velocity of the spheres that touch the wall"),
+    "shear_width": ("m", "width of the shear layer"),
+    "profile_radii": ("m", "distances from the axis that part the bins of the velocity profile"),
+    "profile_speeds": ("m/s", "velocity of each bin"),
+    "granular_temperature": ("1", "mean square of a velocity component about the mean, over g d"),
+    "solid_fraction": ("1", "solid fraction over the whole cross-section"),
+    "rest_solid_fraction": ("1", "the same before the flow began"),
+    "wall_pressure": ("Pa", "pressure of the spheres on the wall"),
+    "wall_shear": ("Pa", "shear stress on the wall"),
+    "janssen_pressure": ("Pa", "Janssen's asymptote of the wall pressure"),
+    "discharge": ("kg/s", "mass flow"),
+    "beverloo_discharge": ("kg/s", "mass flow by Beverloo's law, of an orifice"),
+    "independent_structures": ("1", "length of bed that passed, in windows"),
+    "frames": ("1", "frames that the values are means over"),
+    "resumed": ("1", "1 if the simulation was cut off and gone on with"),
+}
 
 STATISTICS: Mapping[str, Field] = {
     "packing_fraction": ("1", "solid fraction of the wall layer"),
@@ -72,6 +96,9 @@ VIEW_FACTORS: Mapping[str, Field] = {
     "escaped_bed_error": ("1", "scatter of the bed: standard error from block to block, escaped"),
     "edges": ("m", "depths that part the layers"),
     "covariance": ("1", "covariance of the shares by the ray tracing: layers, beyond, wall, escaped"),
+    "bed_covariance": ("1", "covariance of means over frames by the scatter of the bed"),
+    "structures": ("1", "independent frames behind the means: layers, beyond, wall, escaped"),
+    "frames": ("1", "frames that the values are means over"),
     "block_shares": ("1", "shares found in each axial block: layers, beyond, wall, escaped"),
     "rays": ("1", "number of rays"),
     "seconds": ("s", "run time"),
@@ -162,6 +189,7 @@ UNITS: Mapping[str, Field] = {
     "seconds": ("s", "run time"),
     "tube_diameter": ("m", "inner diameter of the tube, swept"),
     "particle_diameter": ("m", "particle diameter, swept"),
+    "velocity": ("m/s", "velocity that was asked for, swept"),
     "bed_seed": ("1", "seed that the bed is settled with, swept"),
     "window": ("m", "ends of the measured window along the axis"),
     "window_lateral": ("m", "ends of the measured window across the plate"),

@@ -15,10 +15,11 @@ from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from bedrad.errors import BadFileError
 from bedrad.jobs.file_section import FileSection
+from bedrad.jobs.flow_section import FlowSection
+from bedrad.jobs.layers_section import LayersSection
 from bedrad.jobs.prediction_section import PredictionSection
 from bedrad.jobs.section import (
-    BelowOne,
-    Count,
+    FieldError,
     NotNegative,
     Positive,
     PositiveInt,
@@ -27,8 +28,10 @@ from bedrad.jobs.section import (
     Seed,
     YesNo,
 )
+from bedrad.jobs.settle_section import SettleSection
 from bedrad.jobs.sweep_section import SweepSection
-from bedrad.jobs.units import Density, Stiffness, shortened
+from bedrad.jobs.toml_keys import MOST_PARTS, longest_key
+from bedrad.jobs.units import shortened
 from bedrad.packings.files.text import is_ordinary
 from bedrad.walls import Plate, Rod, Tube, Wall
 
@@ -54,51 +57,28 @@ class WallSection(Section):
         return Tube(self.diameter / 2) if self.shape == "tube" else Rod(self.diameter / 2)
 
 
-class Size(Section):
-    """One size of a size distribution."""
-
-    diameter: PositiveLength
-    share: Positive
-
-
-class SettleSection(Section):
-    """A bed settled by the discrete-element method."""
-
-    height: PositiveLength
-    diameter: PositiveLength | None = None
-    sizes: Annotated[tuple[Size, ...], Field(max_length=100)] | None = None
-    density: Annotated[Density, Field(gt=0)] = 3800.0
-    friction: NotNegative = 0.4
-    wall_friction: NotNegative | None = None
-    restitution: BelowOne = 0.85
-    stiffness: Annotated[Stiffness, Field(gt=0)] | None = None
-    ranks: PositiveInt = 1
-
-    @model_validator(mode="after")
-    def _check_sizes(self) -> SettleSection:
-        if (self.diameter is None) == (self.sizes is None) or self.sizes == ():
-            raise ValueError("give a diameter or sizes, one of the two")
-        return self
-
-
 class PackingSection(Section):
-    """Where the bed comes from: one of `settle` and `file`."""
+    """Where the bed comes from: one of `settle`, `flow` and `file`."""
 
     settle: SettleSection | None = None
+    flow: FlowSection | None = None
     file: FileSection | None = None
 
     @model_validator(mode="after")
     def _check_source(self) -> PackingSection:
-        if (self.settle is None) == (self.file is None):
-            raise ValueError("give one source of the bed, [packing.settle] or [packing.file]")
+        if sum(source is not None for source in (self.settle, self.flow, self.file)) != 1:
+            raise ValueError("give one source of the bed, [packing.settle], [packing.flow] or [packing.file]")
         return self
 
+    @property
+    def source(self) -> Literal["settle", "flow", "file"]:
+        """Which of them it is."""
+        return "settle" if self.settle is not None else "flow" if self.flow is not None else "file"
 
-class LayersSection(Section):
-    """How the bed is cut: a wall layer one radius deep, the others one diameter deep."""
-
-    count: Count = 3
-    margin: NotNegative = 4.0
+    @property
+    def made(self) -> SettleSection | FlowSection | None:
+        """How the bed is made; None if it is read."""
+        return self.settle or self.flow
 
 
 class StatisticsSection(Section):
@@ -143,6 +123,13 @@ class OutputSection(Section):
     figures: YesNo = True
 
 
+_MOST_PLANNED = 100
+"""Flows of a sweep that are planned when the job is read; one beyond that cannot be made fails in its turn."""
+
+_SWEPT_OF_BED = {"particle_diameter": "diameter", "velocity": "velocity"}
+"""What is swept and belongs to how the bed is made, and its name there."""
+
+
 class Job(Section):
     """A checked job.
 
@@ -170,52 +157,61 @@ class Job(Section):
 
     @model_validator(mode="after")
     def _check_stages(self) -> Job:
-        if self.packing is not None and self.packing.settle is not None:
-            if self.wall is None:
-                raise ValueError("[packing.settle] needs a [wall]")
-            if self.wall.shape != "tube":
-                raise ValueError(f"[packing.settle] is for a tube; the wall is a {self.wall.shape}")
         measured = [n for n in ("statistics", "view_factors", "convergence") if getattr(self, n) is not None]
         if measured and self.packing is None:
             raise ValueError(f"[{measured[0]}] needs a [packing]")
-        if self.sweep is not None:
-            self._check_sweep(room_needed=bool(measured))
-        elif measured and self.packing is not None and self.packing.settle is not None and self.wall is not None:
-            self._check_size(self.packing.settle, self.wall)
+        self._check_made(measured=bool(measured))
         self._check_wall()
+        self._check_velocity()
         if self.prediction is None and self.packing is None:
             raise ValueError("nothing to do: give a [packing] or a [prediction]")
         return self
 
     @property
     def is_ensemble(self) -> bool:
-        """Whether the job names many beds, each a unit of work."""
-        file = None if self.packing is None else self.packing.file
-        return self.sweep is not None or (file is not None and file.is_many)
+        """Whether the job may name many beds, each a unit of work; a flow is one, measured over all its frames."""
+        packing = self.packing
+        return self.sweep is not None or (
+            packing is not None and (packing.flow is not None or (packing.file is not None and packing.file.is_many))
+        )
 
     def swept(self, values: Mapping[str, float]) -> Job:
         """The job of one bed of the sweep: with these values of what is swept."""
         wall, packing = self.wall, self.packing
         if "tube_diameter" in values and wall is not None:
             wall = wall.model_copy(update={"diameter": values["tube_diameter"]})
-        if "particle_diameter" in values and packing is not None and packing.settle is not None:
-            bed = packing.settle.model_copy(update={"diameter": values["particle_diameter"]})
-            packing = packing.model_copy(update={"settle": bed})
+        own = {name: values[key] for key, name in _SWEPT_OF_BED.items() if key in values}
+        if own and packing is not None and (made := packing.made) is not None:
+            packing = packing.model_copy(update={packing.source: made.model_copy(update=own)})
         seed = int(values.get("seed", self.seed))
         return self.model_copy(update={"wall": wall, "packing": packing, "seed": seed, "sweep": None})
 
-    def _check_sweep(self, *, room_needed: bool) -> None:
-        """Refuse a sweep without a bed to settle, or with one that has no room for what is measured."""
-        assert self.sweep is not None  # noqa: S101 - called with one
-        if self.packing is None or self.packing.settle is None:
-            raise ValueError("[sweep] needs a [packing.settle]")
-        if self.sweep.particle_diameter is not None and self.packing.settle.sizes is not None:
-            raise ValueError("sweep.particle_diameter is for beds of one size; packing.settle.sizes gives several")
-        values = {name: listed for name, listed in self.sweep.values().items() if name != "seed"}
-        for combination in itertools.product(*values.values()):
-            one = self.swept(dict(zip(values, combination, strict=True)))
-            if room_needed and one.wall is not None and one.packing is not None and one.packing.settle is not None:
-                self._check_size(one.packing.settle, one.wall)
+    def _check_made(self, *, measured: bool) -> None:
+        """Refuse a sweep without beds to make, and beds that could not be made, or not be measured when they are."""
+        made = None if self.packing is None else self.packing.made
+        if self.packing is None or made is None:
+            if self.sweep is not None:
+                raise ValueError("[sweep] needs a [packing.settle] or a [packing.flow]")
+            return
+        if self.wall is None:
+            raise ValueError(f"[packing.{self.packing.source}] needs a [wall]")
+        if self.wall.shape != "tube":
+            raise ValueError(f"[packing.{self.packing.source}] is for a tube; the wall is a {self.wall.shape}")
+        values = {} if self.sweep is None else self.sweep.values()
+        if "particle_diameter" in values and made.sizes is not None:
+            raise ValueError(
+                f"sweep.particle_diameter is for beds of one size; packing.{self.packing.source}.sizes gives several"
+            )
+        if "velocity" in values and self.packing.flow is None:
+            raise ValueError("sweep.velocity is for a [packing.flow]; a settled bed does not move")
+        shapes = [values[name] for name in values if name != "seed"]
+        names = [name for name in values if name != "seed"]
+        for combination in itertools.islice(itertools.product(*shapes), None if self.packing.settle else _MOST_PLANNED):
+            one = self.swept(dict(zip(names, combination, strict=True)))
+            assert one.packing is not None  # noqa: S101 - as this has one
+            assert one.wall is not None  # noqa: S101 - the same
+            if one.packing.made is not None:
+                one.packing.made.check_room(one.wall.build(), one.layers, measured=measured)
 
     def _check_wall(self) -> None:
         """Refuse two walls, and a prediction for what is no tube or has no wall at all."""
@@ -230,21 +226,15 @@ class Job(Section):
         if self.packing is None and (self.wall is None or self.prediction.particle_diameter is None):
             raise ValueError("[prediction] without a [packing] needs a [wall] and a particle_diameter")
 
-    def _check_size(self, settle: SettleSection, wall: WallSection) -> None:
-        """Refuse what could only fail after the settling: layers or margins that the bed has no room for."""
-        if settle.diameter is None or wall.diameter is None:
+    def _check_velocity(self) -> None:
+        """Refuse a prediction without a velocity, or with another one than that of its flow."""
+        if self.prediction is None:
             return
-        deepest, ends = (self.layers.count - 0.5) * settle.diameter, 2 * self.layers.margin * settle.diameter
-        if deepest > wall.diameter / 2:
-            raise ValueError(
-                f"layers.count is {self.layers.count}: the last layer would end {deepest:.4g} m deep, beyond the axis "
-                f"of the tube at {wall.diameter / 2:.4g} m"
-            )
-        if ends >= settle.height:
-            raise ValueError(
-                f"layers.margin is {self.layers.margin:g}: leaving out {ends:.4g} m of a bed {settle.height:.4g} m "
-                "high leaves nothing to measure"
-            )
+        flows = self.packing is not None and self.packing.flow is not None
+        if flows and self.prediction.velocity is not None:
+            raise FieldError("prediction.velocity", "a [packing.flow] has its own, which is measured; leave it out")
+        if not flows and self.prediction.velocity is None:
+            raise FieldError("prediction.velocity", "required, and not there")
 
     def resolved(self) -> str:
         """The job as JSON text with every default filled in and every quantity in SI units."""
@@ -287,6 +277,9 @@ def parse_job(text: str, file: Path) -> Job:
     BadFileError
         As `load_job`.
     """
+    parts, line = longest_key(text)
+    if parts > MOST_PARTS:
+        raise BadFileError(f"{file}: line {line}: a key of {parts} parts; those of a job have at most {MOST_PARTS}")
     try:
         data = tomllib.loads(text)
     # beside its own error, a number of thousands of digits or thousands of open brackets
@@ -325,7 +318,7 @@ def _problems(error: ValidationError) -> list[str]:
         if problem["type"] == "extra_forbidden":
             lines.append(_unknown(problem["loc"]))
             continue
-        place = _dotted(_keys(problem["loc"]))
+        place = getattr(problem.get("ctx", {}).get("error"), "field", "") or _dotted(_keys(problem["loc"]))
         text = _EXPECTED.get(problem["type"], problem["msg"].removeprefix("Value error, "))
         text = text[0].lower() + text[1:]
         value = problem["input"]

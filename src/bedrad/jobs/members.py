@@ -22,12 +22,12 @@ __all__ = [
     "file_members",
     "identify",
     "job_files",
+    "made_members",
     "one_line",
-    "sweep_members",
     "unit_job",
 ]
 
-_MEASURED = ("statistics", "view_factors", "prediction")
+_MEASURED = ("flow", "statistics", "view_factors", "prediction")
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Member:
     content : str
         SHA-256 of the file.
     values : mapping
-        Values of what is swept, by name. [m], and seeds
+        Values of what is swept, by name, of a bed that is made. [m], [m/s], and seeds
     series : str
         What it has in common with others: "" where nothing.
     """
@@ -65,6 +65,11 @@ class Member:
     content: str = ""
     values: Mapping[str, float] | None = None
     series: str = ""
+
+    @property
+    def is_flow(self) -> bool:
+        """Whether it is a flow, all frames of which are measured together."""
+        return "flow" in self.digests
 
 
 @dataclass(frozen=True)
@@ -143,16 +148,15 @@ def file_members(job: Job, identified: Iterable[tuple[Path, FileIdentity | str]]
             yield Member(label, key, digests, seed, path, frame, identity.content, None, series)
 
 
-def sweep_members(job: Job) -> Iterator[Member]:
-    """Yield the beds of a sweep."""
-    assert job.sweep is not None  # noqa: S101 - the caller has one
-    for values in job.sweep.combinations():
+def made_members(job: Job) -> Iterator[Member]:
+    """Yield the beds that a job makes: those of its sweep, or the flow of a job without one."""
+    for values in [{}] if job.sweep is None else job.sweep.combinations():
         one = job.swept(values)
         key, digests, seed = _Keys(_without_more(one), {}).of(job)
         label = ", ".join(
             f"{name} {value:.6g}" if name != "seed" else f"seed {value}" for name, value in values.items()
         )
-        yield Member(label, key, digests, seed, values=values)
+        yield Member(label or "the flow", key, digests, seed, values=values)
 
 
 class _Keys:

@@ -21,10 +21,11 @@ __all__ = ["Plan", "Stage", "lammps_version", "make_plan", "run_job", "stage_dig
 
 _UPSTREAM: Mapping[str, tuple[str, ...]] = {
     "packing": (),
+    "flow": ("packing",),
     "statistics": ("packing",),
     "view_factors": ("packing",),
     "convergence": ("packing",),
-    "prediction": ("packing", "statistics", "view_factors"),
+    "prediction": ("packing", "flow", "statistics", "view_factors"),
 }
 """Stages to the earlier stages that they build on."""
 
@@ -107,7 +108,7 @@ def make_plan(job: Job, results: Results) -> Plan:
     left_out = [
         (n, f"the job has no [{n}]" + ("; the results file keeps its earlier one" if n in finished else ""))
         for n in stages.ORDER
-        if n not in wanted
+        if n not in wanted and n != "flow"
     ]
     return Plan(tuple(planned), tuple(left_out), inputs)
 
@@ -200,6 +201,9 @@ def _wanted(job: Job, inputs: Mapping[str, str]) -> dict[str, tuple[dict[str, An
     wall = None if job.wall is None else job.wall.model_dump(mode="json")
     if job.packing is not None:
         source = job.packing.model_dump(mode="json")
+        # as it was before there were flows: digests and seeds stay what they were
+        if job.packing.flow is None:
+            del source["flow"]
         parameters: dict[str, Any] = {"wall": wall}
         if job.packing.file is not None:
             # the content counts, not the place
@@ -210,11 +214,13 @@ def _wanted(job: Job, inputs: Mapping[str, str]) -> dict[str, tuple[dict[str, An
                 source["file"]["wall"] = inputs[str(job.packing.file.wall_file)]
             summary = f"read {job.packing.file.path}"
         else:
-            assert job.packing.settle is not None  # noqa: S101 - checked with the job
             parameters["seed"] = job.seed
             parameters["lammps"] = lammps_version()
-            summary = f"settle a bed {job.packing.settle.height:g} m high with LAMMPS"
+            settled = job.packing.settle
+            summary = "make a flow" if settled is None else f"settle a bed {settled.height:g} m high with LAMMPS"
         wanted["packing"] = (parameters | {"source": source}, summary)
+        if job.packing.flow is not None:
+            wanted["flow"] = ({}, "what the flow does")
     if job.statistics is not None:
         wanted["statistics"] = (
             {"layers": layers, **job.statistics.model_dump(mode="json")},

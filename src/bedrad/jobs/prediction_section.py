@@ -73,7 +73,7 @@ class PredictionSection(Section):
         | Annotated[tuple[PositiveTemperature, ...], Field(max_length=1000), Tag("<list>")],
         Discriminator(lambda value: "<one>" if isinstance(value, (dict, TemperatureRange)) else "<list>"),
     ]
-    velocity: Annotated[Velocity, Field(ge=0)]
+    velocity: Annotated[Velocity, Field(ge=0)] | None = None
     particle_diameter: PositiveLength | None = None
     nc_distance: Literal["mean", "weighted", "closing"] = "closing"
     solid_conductivity: Annotated[Conductivity, Field(gt=0)] = 2.1

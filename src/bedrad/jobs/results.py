@@ -23,6 +23,9 @@ from bedrad.atomic import atomic_path
 from bedrad.errors import BadFileError
 from bedrad.jobs.fields import Field
 from bedrad.packings.files import read
+from bedrad.packings.files.hdf5_access import holds
+from bedrad.packings.files.hdf5_reader import ask, check_survives, note_written
+from bedrad.packings.files.hdf5_survey import DEEPEST, MOST_A_BYTE
 from bedrad.packings.files.text import is_ordinary
 from bedrad.packings.packing import Packing
 
@@ -42,10 +45,6 @@ SCHEMA_VERSION = 1
 
 ENSEMBLE = "ensemble"
 """Name of the group that only the results of many beds have."""
-
-_DEEPEST = 8
-_MOST_A_BYTE = 1000
-"""What datasets may state over the size of their file: compressed zeros shrink a thousandfold."""
 
 StageData = dict[str, Any]
 """A stage as it stands in the file: names to arrays, floats, texts, or to such mappings again."""
@@ -109,9 +108,8 @@ def check_record_file(path: Path, stage: str) -> None:
     if not path.exists():
         return
     try:
-        with h5py.File(path, "r") as file:
-            held = list(file) if file.attrs.get("schema_version") == SCHEMA_VERSION else []
-    except OSError:
+        held = ask("record_stages", path, SCHEMA_VERSION)
+    except BadFileError:
         held = []
     if held != [stage]:
         raise BadFileError(
@@ -120,7 +118,7 @@ def check_record_file(path: Path, stage: str) -> None:
         )
 
 
-def save_record(path: Path, stage: str, fill: Callable[[h5py.Group], None], source: Path) -> None:
+def save_record(path: Path, stage: str, fill: Callable[[h5py.Group], None], *sources: Path) -> None:
     """Write one record to an HDF5 file of its own, in a group of the stage's name.
 
     Parameters
@@ -131,8 +129,8 @@ def save_record(path: Path, stage: str, fill: Callable[[h5py.Group], None], sour
         Name of the group.
     fill : callable
         Writes the record into the group it is given.
-    source : Path
-        The packing's file; its name and SHA-256 are kept with the record.
+    *sources : Path
+        The packing's file, or those of a trajectory; their names and SHA-256 are kept with the record.
 
     Raises
     ------
@@ -142,17 +140,23 @@ def save_record(path: Path, stage: str, fill: Callable[[h5py.Group], None], sour
         If the file cannot be written; an older one is then as it was.
     """
     check_record_file(path, stage)
-    buffer = io.BytesIO()
-    with h5py.File(buffer, "w") as new:
+    with _written(path) as new:
         fill(new.create_group(stage))
-        new.attrs["inputs"] = json.dumps({str(source): sha256_of(source)})
-        _stamp(new)
-    _write(path, buffer)
+        _stamp(new, {"inputs": json.dumps({str(source): sha256_of(source) for source in sources})})
 
 
-def _write(path: Path, buffer: io.BytesIO) -> None:
+@contextmanager
+def _written(path: Path, held: bytes = b"") -> Iterator[h5py.File]:
+    """An HDF5 file to fill, empty or with what one holds; it takes the place of the old one when the block ends.
+
+    It is made in memory, as HDF5 crashes where a disk is full.
+    """
+    buffer = io.BytesIO(held)
+    with h5py.File(buffer, "r+" if held else "w") as file:
+        yield file
     with atomic_path(path) as temporary:
         temporary.write_bytes(buffer.getbuffer())
+        note_written(temporary)
 
 
 def sha256_of(path: Path) -> str:
@@ -172,10 +176,12 @@ def sha256_of(path: Path) -> str:
         raise BadFileError(f"{path}: cannot be read: {error.strerror or error}") from None
 
 
-def _stamp(file: h5py.File) -> None:
+def _stamp(file: h5py.File, attributes: Mapping[str, str]) -> None:
+    """Give a file its attributes: those of every file, and its own."""
     file.attrs["schema_version"] = SCHEMA_VERSION
     file.attrs["bedrad_version"] = __version__
     file.attrs["created"] = datetime.now(UTC).isoformat(timespec="seconds")
+    file.attrs.update(attributes)
 
 
 @dataclass(frozen=True)
@@ -205,6 +211,10 @@ class Results:
         """
         return read(self.path)
 
+    def flow(self) -> None:
+        """The flow that the bed is of: none, as flows are kept with those of many beds."""
+        return
+
     def digests(self) -> dict[str, str]:
         """Digest of what went into each finished stage; empty where there is no file yet.
 
@@ -216,10 +226,9 @@ class Results:
         if not self.path.exists():
             return {}
         with self.open() as file:
-            # a link that leads nowhere has no group
-            return {
-                name: str(group.attrs["digest"]) for name, group in file.items() if group and "digest" in group.attrs
-            }
+            # a link is no stage, wherever it leads
+            own = {name: file[name] for name in file if isinstance(file.get(name, getlink=True), h5py.HardLink)}
+            return {name: str(group.attrs["digest"]) for name, group in own.items() if "digest" in group.attrs}
 
     def read(self, stage: str) -> StageData:
         """Everything a finished stage holds.
@@ -230,7 +239,7 @@ class Results:
             If there is no such stage in the file.
         """
         with self.open() as file:
-            if stage not in file:
+            if not holds(file, stage):
                 raise BadFileError(f"{self.path}: no stage {stage!r}; it holds {', '.join(file) or 'none'}")
             return _read_group(file, stage, self.path)
 
@@ -266,8 +275,8 @@ class Results:
         OSError
             If the file cannot be written; the old one is then as it was.
         """
-        buffer = io.BytesIO()
-        with h5py.File(buffer, "w") as new:
+
+        def fill_file(new: h5py.File) -> None:
             if self.path.exists():
                 with self.open() as old:
                     for name in keep:
@@ -276,9 +285,8 @@ class Results:
             group = new.create_group(stage)
             group.attrs["digest"] = digest
             fill(group)
-            _stamp(new)
-            new.attrs.update(attributes)
-        _write(self.path, buffer)
+
+        self.write_all(fill_file, attributes)
 
     def write_all(self, fill: Callable[[h5py.File], None], attributes: Mapping[str, str]) -> None:
         """Write the file anew.
@@ -295,12 +303,9 @@ class Results:
         OSError
             If the file cannot be written; the old one is then as it was.
         """
-        buffer = io.BytesIO()
-        with h5py.File(buffer, "w") as new:
+        with _written(self.path) as new:
             fill(new)
-            _stamp(new)
-            new.attrs.update(attributes)
-        _write(self.path, buffer)
+            _stamp(new, attributes)
 
     def update_attributes(self, attributes: Mapping[str, str]) -> None:
         """Replace attributes of the whole file where they differ; the stages stay.
@@ -313,21 +318,29 @@ class Results:
         held = self.attributes()
         if all(held.get(name) == value for name, value in attributes.items()):
             return
-        buffer = io.BytesIO(self.path.read_bytes())
-        with h5py.File(buffer, "r+") as file:
+        with _written(self.path, self.path.read_bytes()) as file:
             file.attrs.update(attributes)
-        _write(self.path, buffer)
 
     @contextmanager
     def open(self) -> Iterator[h5py.File]:
-        """Open the file to read from it; BadFileError if it is something else, or damaged where it is read."""
+        """Open the file to read from it; BadFileError if it is something else, or damaged where it is read.
+
+        One that this process did not write is first read in a process that may die, as long as it stays as it is.
+        """
+        problem = check_survives(self.path)
+        if problem is not None:
+            raise BadFileError(
+                f"{self.path}: not a bedrad results file, or a damaged one ({problem}); "
+                "name another results file, or remove this one"
+            )
         try:
             with h5py.File(self.path, "r") as file:
                 version = file.attrs.get("schema_version")
-                if version != SCHEMA_VERSION or "job" not in file.attrs:
+                # anything may stand there, such as an array, which is neither equal nor unequal
+                if not (isinstance(version, np.integer) and version == SCHEMA_VERSION and "job" in file.attrs):
                     raise BadFileError(
                         f"{self.path}: not a bedrad results file of schema version {SCHEMA_VERSION} "
-                        f"(it has {version!r}); name another results file, or remove this one"
+                        f"(it has {version!r:.40}); name another results file, or remove this one"
                     )
                 yield file
         # h5py tells of damage by any of these
@@ -343,8 +356,8 @@ class Results:
 def _read_group(parent: h5py.Group, name: str, path: Path, depth: int = 0) -> StageData:
     """Read a group of a file that anybody may have made: no links, no claims beyond the file's size."""
     where = f"{path}: {parent.name.rstrip('/')}/{name}"
-    if depth > _DEEPEST:
-        raise BadFileError(f"{where}: groups lie deeper than {_DEEPEST} in each other")
+    if depth > DEEPEST:
+        raise BadFileError(f"{where}: groups lie deeper than {DEEPEST} in each other")
     group = _own(parent, name, where)
     if not isinstance(group, h5py.Group):
         raise BadFileError(f"{where}: is no group; expected what `bedrad run` writes")
@@ -359,7 +372,7 @@ def _read_group(parent: h5py.Group, name: str, path: Path, depth: int = 0) -> St
                 continue
             if not isinstance(item, h5py.Dataset) or item.shape is None:
                 raise BadFileError(f"{where}/{key}: is neither a group nor a dataset with values")
-            if item.nbytes > _MOST_A_BYTE * path.stat().st_size:
+            if item.nbytes > MOST_A_BYTE * path.stat().st_size:
                 raise BadFileError(f"{where}/{key}: states {item.nbytes} bytes, far more than the file holds")
             data[key] = _plain(item[()])
     except (TypeError, AttributeError, UnicodeDecodeError) as problem:

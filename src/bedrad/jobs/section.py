@@ -6,17 +6,19 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from bedrad.jobs.units import Length, Temperature
+from bedrad.jobs.units import Length, Temperature, Velocity
 
 __all__ = [
     "BelowOne",
     "Count",
+    "FieldError",
     "Finite",
     "NotNegative",
     "Positive",
     "PositiveInt",
     "PositiveLength",
     "PositiveTemperature",
+    "PositiveVelocity",
     "Section",
     "Seed",
     "UpToOne",
@@ -35,7 +37,16 @@ BelowOne = Annotated[float, Field(gt=0, lt=1, strict=True)]
 UpToOne = Annotated[float, Field(gt=0, le=1, strict=True)]
 YesNo = Annotated[bool, Field(strict=True)]
 PositiveLength = Annotated[Length, Field(gt=0)]
+PositiveVelocity = Annotated[Velocity, Field(gt=0)]
 PositiveTemperature = Annotated[Temperature, Field(gt=0)]
+
+
+class FieldError(ValueError):
+    """A problem of one field that shows only beside others; `field` is its path."""
+
+    def __init__(self, field: str, problem: str) -> None:
+        super().__init__(problem)
+        self.field = field
 
 
 def form_of(value: object) -> str:

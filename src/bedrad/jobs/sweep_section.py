@@ -1,4 +1,4 @@
-"""The section [sweep] of a job: settled beds of several sizes and seeds."""
+"""The section [sweep] of a job: settled beds, or flows, of several sizes, velocities and seeds."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Annotated
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from bedrad.jobs.section import PositiveLength, Section, Seed, form_of
+from bedrad.jobs.section import PositiveLength, PositiveVelocity, Section, Seed, form_of
 
 __all__ = ["MOST_BEDS", "SweepSection"]
 
@@ -38,6 +38,7 @@ class SweepSection(Section):
 
     tube_diameter: Lengths | None = None
     particle_diameter: Lengths | None = None
+    velocity: Annotated[tuple[PositiveVelocity, ...], Field(min_length=1, max_length=_LISTED)] | None = None
     seed: Annotated[
         Annotated[SeedRange | None, Tag("<one>")]
         | Annotated[tuple[Seed, ...], Field(min_length=1, max_length=_LISTED), Tag("<list>")],
@@ -48,7 +49,7 @@ class SweepSection(Section):
     def _check(self) -> SweepSection:
         values = self.values()
         if not values:
-            raise ValueError("give a list of tube_diameter, particle_diameter or seed")
+            raise ValueError("give a list of tube_diameter, particle_diameter, velocity or seed")
         for name, given in values.items():
             if len(set(given)) < len(given):
                 raise ValueError(f"{name} names a value twice")
@@ -57,9 +58,14 @@ class SweepSection(Section):
         return self
 
     def values(self) -> dict[str, tuple[float, ...]]:
-        """What is listed, by name. [m], and seeds"""
+        """What is listed, by name. [m], [m/s], and seeds"""
         seeds = self.seed.values() if isinstance(self.seed, SeedRange) else self.seed
-        given = {"tube_diameter": self.tube_diameter, "particle_diameter": self.particle_diameter, "seed": seeds}
+        given = {
+            "tube_diameter": self.tube_diameter,
+            "particle_diameter": self.particle_diameter,
+            "velocity": self.velocity,
+            "seed": seeds,
+        }
         return {name: values for name, values in given.items() if values is not None}
 
     def combinations(self) -> Iterator[dict[str, float]]:

@@ -10,12 +10,13 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from bedrad.jobs.fields import HISTORY, PREDICTION, STATISTICS, SYSTEM, UNITS, VIEW_FACTORS, WALL_LAYER, Field
+from bedrad.jobs.fields import FLOW, HISTORY, PREDICTION, STATISTICS, SYSTEM, UNITS, VIEW_FACTORS, WALL_LAYER, Field
 from bedrad.jobs.unit_record import Place, StageRecord, UnitRecord, Value, places_of, take_apart
 
 __all__ = ["Column", "field_of", "read_columns", "record_of_row", "stack", "texts", "write_columns"]
 
 _FIELDS: Mapping[str, Mapping[str, Field]] = {
+    "flow": FLOW,
     "statistics": STATISTICS,
     "view_factors": {**VIEW_FACTORS, **HISTORY},
     "prediction": {**PREDICTION, **SYSTEM, **WALL_LAYER},

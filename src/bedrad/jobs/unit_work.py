@@ -17,8 +17,11 @@ from bedrad.jobs.job import Job
 from bedrad.jobs.members import Member, one_line, unit_job
 from bedrad.jobs.pipeline import lammps_version
 from bedrad.jobs.results import StageData, sha256_of
+from bedrad.jobs.stage_types import Progress
 from bedrad.jobs.unit_record import StageRecord, UnitRecord, gather, pack, unpack
 from bedrad.packings.files import read, write
+from bedrad.packings.flow import Flow
+from bedrad.packings.flow_script import frame_name
 from bedrad.packings.packing import Packing
 
 __all__ = ["Found", "Task", "Work", "measure"]
@@ -42,17 +45,20 @@ class Work:
         Threads of a unit; None for all processors.
     version, lammps : str
         Versions that the keys of the units tell of.
+    watch : callable or None
+        Called with the share done and a text while a bed is made; None where nobody sees it, as from other processes.
     """
 
     job: Job
     threads: int | None
     version: str
     lammps: str
+    watch: Progress | None = None
 
     @classmethod
-    def of(cls, job: Job, threads: int | None) -> Work:
+    def of(cls, job: Job, threads: int | None, watch: Progress | None = None) -> Work:
         """With the versions here."""
-        return cls(job, threads, __version__, lammps_version())
+        return cls(job, threads, __version__, lammps_version(), watch)
 
 
 @dataclass(frozen=True)
@@ -67,11 +73,14 @@ class Task:
         Record of the stages that are finished.
     bed : bytes or None
         The settled bed, as a file of bedrad, where it is there.
+    folder : Path or None
+        Where a flow runs and keeps its frames.
     """
 
     member: Member
     earlier: bytes | None = None
     bed: bytes | None = None
+    folder: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -96,13 +105,16 @@ class Found:
 class _Unit:
     """A unit in memory, as its stages see it."""
 
-    def __init__(self, threads: int | None, bed: Packing, finished: Mapping[str, StageRecord]) -> None:
+    def __init__(self, threads: int | None, made: Packing | Flow, finished: Mapping[str, StageRecord]) -> None:
         self.threads = threads
         self.stages = dict(finished)
-        self._bed = bed
+        self._made = made
 
     def bed(self) -> Packing:
-        return self._bed
+        return self._made if isinstance(self._made, Packing) else self._made[0]
+
+    def flow(self) -> Flow | None:
+        return None if isinstance(self._made, Packing) else self._made
 
     def read(self, stage: str) -> StageData:
         return self.stages[stage].data()
@@ -137,7 +149,8 @@ def _measured(work: Work, task: Task, settled: list[bytes]) -> bytes:
         warnings.simplefilter("always")
         job = unit_job(work.job, member)
         earlier = None if task.earlier is None else unpack(task.earlier)
-        unit = _Unit(work.threads, _bed(job, task, settled), {} if earlier is None else earlier.stages)
+        made = _bed(job, task, settled, work.watch or _silent)
+        unit = _Unit(work.threads, made, {} if earlier is None else earlier.stages)
         # the bed was made with the seed of its own
         job = job.model_copy(update={"seed": member.seed})
         for name, digest in member.digests.items():
@@ -149,8 +162,12 @@ def _measured(work: Work, task: Task, settled: list[bytes]) -> bytes:
     return pack(UnitRecord(member.key, {n: unit.stages[n] for n in member.digests}, tuple(texts), seconds))
 
 
-def _bed(job: Job, task: Task, settled: list[bytes]) -> Packing:
+def _bed(job: Job, task: Task, settled: list[bytes], watch: Progress) -> Packing | Flow:
     member = task.member
+    if task.folder is not None:
+        flow = stages.make_flow(job, task.folder, watch)
+        _keep_frames(flow, task.folder)
+        return flow
     if member.path is not None:
         if sha256_of(member.path) != member.content:
             raise BadFileError(f"{member.path}: changed while the job ran; run it again")
@@ -160,10 +177,19 @@ def _bed(job: Job, task: Task, settled: list[bytes]) -> Packing:
         if task.bed is not None:
             file.write_bytes(task.bed)
             return read(file)
-        bed = stages.make_bed(job, _silent)
+        bed = stages.make_bed(job, watch)
         write(bed, file)
         settled.append(file.read_bytes())
         return bed
+
+
+def _keep_frames(flow: Flow, folder: Path) -> None:
+    """Write the frames as packings beside what LAMMPS left: its own hold the whole periodic box."""
+    for number, (bed, step) in enumerate(zip(flow, flow.plan.frame_numbers, strict=True)):
+        file = folder / f"frame_{number:04d}.h5"
+        # LAMMPS may have run again, from a restart file even to other places
+        if not file.exists() or file.stat().st_mtime < (folder / frame_name(step)).stat().st_mtime:
+            write(bed, file)
 
 
 def _silent(share: float, text: str) -> None:

@@ -15,6 +15,7 @@ __all__ = [
     "Density",
     "HeatFlux",
     "Length",
+    "Pressure",
     "Stiffness",
     "Temperature",
     "TemperatureDifference",
@@ -36,6 +37,7 @@ _EXAMPLES = {
     "K": "850 degC",
     "kg/m^3": "3800 kg/m^3",
     "N/m": "100 N/m",
+    "Pa": "70 GPa",
     "W/(m K)": "2.1 W/(m K)",
     "1/m^2": "1.9 mm^-2",
     "W/m^2": "50 kW/m^2",
@@ -108,6 +110,7 @@ Velocity = Annotated[float, _reader("m/s")]
 Temperature = Annotated[float, _reader("K")]
 Density = Annotated[float, _reader("kg/m^3")]
 Stiffness = Annotated[float, _reader("N/m")]
+Pressure = Annotated[float, _reader("Pa")]
 Conductivity = Annotated[float, _reader("W/(m K)")]
 HeatFlux = Annotated[float, _reader("W/m^2")]
 TemperatureDifference = Annotated[float, BeforeValidator(temperature_difference, json_schema_input_type=str)]

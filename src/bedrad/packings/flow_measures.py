@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bedrad.packings.drift import significant_drifts
 from bedrad.packings.flow_formulas import beverloo_discharge, janssen_pressure
 from bedrad.packings.flow_frames import FlowFrame, motion_between
 from bedrad.packings.flow_plan import FlowPlan
@@ -30,11 +31,7 @@ THINNED = 0.9
 """A flow is thinned when its solid fraction is below this share of what it was at rest."""
 
 UNSTEADY = 0.02
-"""Drift between the halves of the sample, in shares of the mean, from which on it counts as one."""
-
-SIGNIFICANT = 3.0
-"""Standard errors that the drift must exceed too. These are themselves estimated: made-up steady series, alike from
-frame to frame by 0 to 0.5, exceed it by chance in 0.6 to 5 % of cases with 30 frames, in 2 to 11 % with 8."""
+"""Drift between the halves of the sample, in shares of the mean, from which on it counts, if it is more than chance."""
 
 FEWEST_STRUCTURES = 3.0
 """Independent structures, lengths of bed that passed the window over the window's own, below which it is said."""
@@ -143,7 +140,7 @@ def measure_flow(plan: FlowPlan, frames: Sequence[FlowFrame], rest: tuple[FloatA
         discharge=bulk * velocity * math.pi * plan.tube_radius**2,
         beverloo_discharge=math.nan if orifice is None else beverloo_discharge(orifice, plan.mean, bulk, gravity),
         independent_structures=structures,
-        problems=tuple(_problems(plan, velocity, in_time, states[:, :, 0].mean(axis=1), resting, structures)),
+        problems=tuple(_problems(plan, velocity, speeds, states[:, :, 0], resting, structures)),
     )
 
 
@@ -197,16 +194,11 @@ def _problems(
         found.append(f"jammed: {velocity:.3g} m/s where {plan.velocity:.3g} m/s were expected")
     if solid.mean() < THINNED * resting:
         found.append(f"thinned: the solid fraction is {solid.mean():.3g}; at rest it was {resting:.3g}")
-    for name, series in (("velocity", speeds), ("solid fraction", solid)):
-        half = len(series) // 2
-        if half < 2:
-            continue
-        halves = np.stack([series[:half], series[-half:]], axis=1)
-        errors, _ = errors_of_mean(halves[:, None, :])
-        drift = float(halves[:, 1].mean() - halves[:, 0].mean())
-        noise = math.hypot(*np.nan_to_num(errors))
-        if abs(drift) > max(UNSTEADY * abs(float(series.mean())), SIGNIFICANT * noise):
-            found.append(f"not steady: the {name} drifts by {drift / float(series.mean()):+.1%} within the sample")
+    for name, cells in (("velocity", speeds), ("solid fraction", solid)):
+        drift, mean = float(significant_drifts(cells[:, :, None])[0]), float(cells.mean())
+        if abs(drift) > UNSTEADY * abs(mean):
+            share = f"{drift / mean:+.1%}" if mean else "all there is"
+            found.append(f"not steady: the {name} drifts by {share} within the sample")
     if structures < FEWEST_STRUCTURES:
         found.append(
             f"short of independent structures: {structures:.2g} windows of bed were seen; more frames or a wider "

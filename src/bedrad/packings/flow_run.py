@@ -21,6 +21,9 @@ Progress = Callable[[float, str], None]
 MARK = "flow.sha256"
 """File that names the run that a folder holds: the checksum of its input."""
 
+_RESUMED = "flow.resumed"
+"""File that says at which step a run was gone on with, for whoever reads the finished frames later."""
+
 _KEPT_RESTARTS = 2
 """Restart files that are kept: the last may have been cut off while it was written."""
 
@@ -59,7 +62,7 @@ def run_flow(
     run : LammpsRun or None
         The run; None where all frames were there.
     resumed_at : int or None
-        Step that the run went on from; None for a run from the start.
+        Step that the run, or the earlier one that made the frames, went on from; None for a run from the start.
 
     Raises
     ------
@@ -72,11 +75,12 @@ def run_flow(
     _claim(folder, hashlib.sha256((flow_script(plan) + data).encode()).hexdigest())
     restarts = _restarts(folder)
     if not restarts and _whole(plan, folder, plan.steps + 1):
-        return None, None
+        return None, _resumed_at(folder)
     for step in reversed(restarts):
         if not _whole(plan, folder, step):
             continue
         watch = _Watch(plan, folder, progress, [other for other in restarts if other > step])
+        (folder / _RESUMED).write_text(f"{step}\n", encoding="ascii")
         try:
             run = run_lammps(flow_script(plan, step), folder, ranks=ranks, executable=executable, watch=watch)
         except EngineFailedError:
@@ -87,6 +91,7 @@ def run_flow(
         else:
             _remove(folder, _restarts(folder))
             return run, step
+    (folder / _RESUMED).unlink(missing_ok=True)
     (folder / DATA).write_text(data, encoding="utf-8")
     watch = _Watch(plan, folder, progress, restarts)
     run = run_lammps(flow_script(plan), folder, ranks=ranks, executable=executable, watch=watch)
@@ -115,6 +120,16 @@ def _claim(folder: Path, checksum: str) -> None:
             temporary.write_text(checksum + "\n", encoding="ascii")
     elif mark.read_text(encoding="ascii", errors="replace").strip() != checksum:
         raise ValueError(f"{folder} holds a flow with other parameters; give another folder, or empty this one")
+
+
+def _resumed_at(folder: Path) -> int | None:
+    """Step at which the run of these frames was gone on with; None for one that ran from start to end."""
+    try:
+        text = (folder / _RESUMED).read_text(encoding="ascii", errors="replace").strip()
+    except FileNotFoundError:
+        return None
+    # a file that was cut off while it was written says that much
+    return int(text) if text.isdecimal() and len(text) < 20 else 0
 
 
 def _restarts(folder: Path) -> list[int]:

@@ -19,8 +19,9 @@ from bedrad.packings.packing import END_MARGIN, Packing
 from bedrad.packings.sizes import mean_diameters
 from bedrad.packings.statistics_results import Statistics, TrajectoryStatistics
 from bedrad.packings.tally import Measure, Tally, blocks_of, tally
+from bedrad.packings.trajectory import check_frame
 from bedrad.packings.wall_contacts import overlap_share
-from bedrad.walls import Plate, Window
+from bedrad.walls import Window
 
 __all__ = ["GAP_TOLERANCES", "Statistics", "TrajectoryStatistics", "statistics"]
 
@@ -34,9 +35,6 @@ PROFILE_WIDTH = 0.1
 
 GAP_WIDTH = 0.05
 """Width of the bins of the NC particles' gaps, in radii; they end at one, where equal spheres leave the layer."""
-
-WALL_TOLERANCE = 0.01
-"""How much the wall's radius may differ between frames, in mean radii of the spheres: as where it is fitted to each."""
 
 
 def statistics(
@@ -120,7 +118,7 @@ def statistics(
         try:
             if held is None:
                 held = _First.of(bed, edges, contact_gap, window, blocks, margin, profile_depths)
-            _check_frame(bed, held)
+            check_frame(bed, held.measure.wall, held.measure.window, held.measure.radius)
             frames.append(_frame(bed, held))
         except ValueError as error:
             raise ValueError(f"frame {number}: {error}") from None
@@ -165,29 +163,6 @@ class _Frame:
     outside: int
     deeper: int
     overlap: float
-
-
-def _check_frame(packing: Packing, first: _First) -> None:
-    """Refuse a frame that cannot be averaged with the first."""
-    wall, window = first.measure.wall, first.measure.window
-    if not len(packing):
-        raise ValueError("the packing is empty; there is nothing to measure")
-    apart = 0.0 if isinstance(wall, Plate) or isinstance(packing.wall, Plate) else packing.wall.radius - wall.radius
-    if packing.wall.kind != wall.kind or abs(apart) > WALL_TOLERANCE * first.measure.radius:
-        raise ValueError(
-            f"the wall is {packing.wall!r}, that of the first frame {wall!r}; give the wall when the frames are read"
-        )
-    check_window(packing, window)
-    axes = [(wall.axial, window.axial)]
-    if isinstance(wall, Plate) and window.lateral is not None:
-        axes.append((1, window.lateral))
-    for axis, (low, high) in axes:
-        reach = packing.extent(axis)
-        if not packing.box[axis] and not (reach[0] <= low and high <= reach[1]):
-            raise ValueError(
-                f"the bed reaches from {reach[0]:.6g} to {reach[1]:.6g} m in {'xyz'[axis]}; it does not fill the "
-                f"window from {low:.6g} to {high:.6g} m: give a window that all frames fill"
-            )
 
 
 def _frame(packing: Packing, first: _First) -> _Frame:

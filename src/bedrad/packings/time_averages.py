@@ -23,7 +23,7 @@ COLUMNS_AT_ONCE = 64
 """Quantities whose autocorrelations are computed together, which bounds the memory."""
 
 
-def errors_of_mean(cells: FloatArray) -> tuple[FloatArray, FloatArray]:
+def errors_of_mean(cells: FloatArray, noise: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
     """Standard errors of means over frames, and how many independent structures the frames amount to.
 
     Three estimates of the variance of the mean are made, each blind to something:
@@ -36,6 +36,8 @@ def errors_of_mean(cells: FloatArray) -> tuple[FloatArray, FloatArray]:
        is that of one frame, however many there are. This needs no mean over time, so that it holds where the
        frames are few or much alike; exact for a bed that travels past the window. Blind to parts that
        stand still while the larger part moves.
+       Noise of the measurement makes frames differ that are the same bed: where it is told, it is taken out of both
+       the variance and the differences before the renewals are counted, and added to the result.
     3. The scatter between pieces, each averaged over all frames. Blind to what travels from piece to piece.
 
     The larger of the first two is taken, and the third where it exceeds it by more than chance (chi-square
@@ -46,6 +48,8 @@ def errors_of_mean(cells: FloatArray) -> tuple[FloatArray, FloatArray]:
     ----------
     cells : (frames, pieces, k) array
         Values of k quantities in every frame and piece, pieces of equal weight.
+    noise : (k,) array, optional
+        Variance that the measurement adds to a frame's value, independent from frame to frame, such as that of rays.
 
     Returns
     -------
@@ -68,7 +72,9 @@ def errors_of_mean(cells: FloatArray) -> tuple[FloatArray, FloatArray]:
     in_time = series.var(axis=0, ddof=1)
     variance = block_averaged_variance(series)
     if pieces > 1:
-        renewed = in_space * renewal_frames(series, in_space) / frames
+        noisy = np.zeros_like(in_space) if noise is None else noise
+        structure = np.maximum(in_space - noisy, 0.0)
+        renewed = (structure * renewal_frames(series, structure, noise) + noisy) / frames
         variance = np.maximum(variance, renewed)
         standing = cells.mean(axis=0).var(axis=0, ddof=1) / pieces
         by_chance = chdtri(pieces - 1, CHANCE) / (pieces - 1)
@@ -117,7 +123,7 @@ def block_averaged_variance(series: FloatArray) -> FloatArray:
     return np.asarray(np.where(enough.any(axis=0), chosen, variances.max(axis=0)))
 
 
-def renewal_frames(series: FloatArray, variance: FloatArray) -> FloatArray:
+def renewal_frames(series: FloatArray, variance: FloatArray, noise: FloatArray | None = None) -> FloatArray:
     """Number of frames that a bed takes to renew itself, between 1 and the number of frames.
 
     Parameters
@@ -126,23 +132,24 @@ def renewal_frames(series: FloatArray, variance: FloatArray) -> FloatArray:
         Values of k quantities in n frames.
     variance : (k,) array
         Variance of one frame's value between beds that have nothing in common.
+    noise : (k,) array, optional
+        Variance that the measurement adds to it, independent from frame to frame.
 
     Returns
     -------
     (k,) array
-        Twice the lag, interpolated, at which half the mean squared difference between frames is half the variance; n
-        where that never happens.
+        Twice the lag, interpolated, at which half the mean squared difference between frames, less the noise, is half
+        the variance; n where that never happens.
     """
     n = len(series)
-    found = [
-        _half_rise(series[:, k : k + COLUMNS_AT_ONCE], 0.5 * variance[k : k + COLUMNS_AT_ONCE])
-        for k in range(0, series.shape[1], COLUMNS_AT_ONCE)
-    ]
+    noisy = np.zeros_like(variance) if noise is None else noise
+    parts = [slice(k, k + COLUMNS_AT_ONCE) for k in range(0, series.shape[1], COLUMNS_AT_ONCE)]
+    found = [_half_rise(series[:, part], 0.5 * variance[part], noisy[part]) for part in parts]
     return np.clip(2.0 * np.concatenate(found), 1.0, float(n))
 
 
-def _half_rise(series: FloatArray, half: FloatArray) -> FloatArray:
-    """Lag at which half the mean squared difference reaches `half`; n where it does not."""
+def _half_rise(series: FloatArray, half: FloatArray, noise: FloatArray) -> FloatArray:
+    """Lag at which half the mean squared difference, less the noise, reaches `half`; n where it does not."""
     n = len(series)
     x = series - series.mean(axis=0)
     transform = np.fft.rfft(x, 2 * n, axis=0)
@@ -151,7 +158,7 @@ def _half_rise(series: FloatArray, half: FloatArray) -> FloatArray:
     lags = np.arange(1, n)
     both_ends = squares[n - 1 - lags] + squares[-1] - squares[lags - 1]
     difference = np.zeros_like(x)
-    difference[1:] = (0.5 * both_ends - products[1:]) / (n - lags)[:, None]
+    difference[1:] = (0.5 * both_ends - products[1:]) / (n - lags)[:, None] - noise
     reached = difference >= half
     reached[0] = False
     first = reached.argmax(axis=0)

@@ -21,12 +21,12 @@ from bedrad.raytrace.enclosure_scene import (
     SPHERE_DIMENSIONS,
     WALL_DIMENSIONS,
     EnclosureScene,
-    edges_from_wall,
     run_streams,
     sobol,
     stream_size,
 )
 from bedrad.raytrace.factors import LeftOut
+from bedrad.raytrace.view_factors import edges_from_wall
 from bedrad.walls import Window
 
 __all__ = ["MOST_REFLECTIONS", "exchange_factors", "reflected_factors"]

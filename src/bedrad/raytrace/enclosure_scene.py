@@ -10,10 +10,10 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from bedrad.packings.layers import check_edges, layer_areas, layer_edges
+from bedrad.packings.layers import layer_areas
 from bedrad.packings.packing import Packing
 from bedrad.raytrace.enclosure_kernels import start_on_spheres
 from bedrad.raytrace.kernels import start_rays
@@ -23,7 +23,7 @@ from bedrad.raytrace.tracer import emitting_wall
 from bedrad.raytrace.view_factors import available_processors
 from bedrad.walls import Tube, Window
 
-__all__ = ["MOST_RAYS", "EnclosureScene", "edges_from_wall", "run_streams", "sobol", "stream_size"]
+__all__ = ["MOST_RAYS", "EnclosureScene", "run_streams", "sobol", "stream_size"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -31,22 +31,6 @@ Result = TypeVar("Result")
 
 MOST_RAYS = 2**35
 """More rays than this are refused: hours of work, and more points than a Sobol sequence of 30 bits has."""
-
-
-def edges_from_wall(packing: Packing, edges: ArrayLike | None) -> FloatArray:
-    """Depths that part the layers, checked, the first of them 0; three layers by `layer_edges` if not given.
-
-    Raises
-    ------
-    ValueError
-        If they do not ascend from 0 or are deeper than the wall allows.
-    """
-    if edges is None:
-        return layer_edges(packing)
-    checked = check_edges(edges, packing.wall)
-    if checked[0] != 0.0:
-        raise ValueError(f"edges are {checked.tolist()} m; the first must be 0, the wall itself")
-    return checked
 
 
 class EnclosureScene:

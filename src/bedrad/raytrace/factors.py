@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bedrad.walls import Window
 
-__all__ = ["LeftOut", "Step", "ViewFactors", "covariance_of_mean", "fold_leakage", "standard_error"]
+__all__ = ["LeftOut", "Step", "ViewFactors", "by_target", "covariance_of_mean", "fold_leakage", "standard_error"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -139,20 +140,8 @@ class ViewFactors:
         block_shares = counts[filled] / in_block[filled]
         bed = standard_error(block_shares)
         mean, error = counts.sum(axis=0) / counts.sum(), np.sqrt(np.diag(covariance))
-        n = len(mean) - 3
         return cls(
-            layers=mean[:n],
-            layers_error=error[:n],
-            layers_bed_error=bed[:n],
-            beyond=float(mean[n]),
-            beyond_error=float(error[n]),
-            beyond_bed_error=float(bed[n]),
-            wall=float(mean[n + 1]),
-            wall_error=float(error[n + 1]),
-            wall_bed_error=float(bed[n + 1]),
-            escaped=float(mean[n + 2]),
-            escaped_error=float(error[n + 2]),
-            escaped_bed_error=float(bed[n + 2]),
+            **by_target(mean, error, bed),
             edges=edges,
             window=window,
             rays=int(counts.sum()),
@@ -164,6 +153,10 @@ class ViewFactors:
             covariance=covariance,
             block_shares=block_shares,
         )
+
+    def covariance_of_bed(self) -> FloatArray:
+        """Covariance of the shares by the scatter of the bed, (layers + 3, layers + 3); nan with a single block."""
+        return covariance_of_mean(self.block_shares)
 
     def normalised(self, convention: str) -> ViewFactors:
         """The same result in another convention.
@@ -184,7 +177,7 @@ class ViewFactors:
         count = len(self.layers)
         mean = self.history[-1].estimates
         ratio, error = fold_leakage(mean, self.covariance, count)
-        _, bed_error = fold_leakage(mean, covariance_of_mean(self.block_shares), count)
+        _, bed_error = fold_leakage(mean, self.covariance_of_bed(), count)
         return replace(
             self,
             layers=ratio,
@@ -223,6 +216,16 @@ def standard_error(samples: FloatArray) -> FloatArray:
     if len(samples) < 2:
         return np.full(samples.shape[1], np.nan)
     return np.asarray(samples.std(axis=0, ddof=1) / np.sqrt(len(samples)))
+
+
+def by_target(mean: FloatArray, error: FloatArray, bed: FloatArray) -> dict[str, Any]:
+    """Fields of `ViewFactors` from (layers + 3,) arrays of shares, their errors by rays, and by the bed."""
+    n = len(mean) - 3
+    found: dict[str, Any] = {}
+    for ending, values in (("", mean), ("_error", error), ("_bed_error", bed)):
+        found[f"layers{ending}"] = values[:n]
+        found |= {f"{name}{ending}": float(values[n + k]) for k, name in enumerate(("beyond", "wall", "escaped"))}
+    return found
 
 
 def covariance_of_mean(samples: FloatArray) -> FloatArray:

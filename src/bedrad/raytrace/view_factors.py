@@ -6,7 +6,7 @@ import math
 import os
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
 from numpy.typing import ArrayLike
@@ -14,10 +14,11 @@ from numpy.typing import ArrayLike
 from bedrad.packings.layers import block_count, check_edges, check_window, layer_edges
 from bedrad.packings.packing import Packing
 from bedrad.raytrace.factors import FloatArray, LeftOut, Step, ViewFactors
+from bedrad.raytrace.frames import mean_over_frames
 from bedrad.raytrace.patches import PatchTracer, Sample
 from bedrad.walls import Window
 
-__all__ = ["MOST_RAYS", "view_factors"]
+__all__ = ["MOST_RAYS", "edges_from_wall", "view_factors"]
 
 Progress = Callable[[float, str], None]
 
@@ -44,7 +45,7 @@ MOST_RAYS = 2**38
 
 
 def view_factors(
-    packing: Packing,
+    packing: Packing | Iterable[Packing],
     edges: ArrayLike | None = None,
     tolerance: float | None = None,
     rays: int | None = None,
@@ -55,7 +56,7 @@ def view_factors(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> ViewFactors:
-    """View factors from the wall to the layers of a bed.
+    """View factors from the wall to the layers of a bed, or their means over the frames of a flow.
 
     Rays leave the wall by the cosine law (black or grey diffuse emission) and end at the first sphere, whose hit point
     belongs to the layer of its depth; in a tube they may end at the wall again. A ray that starts inside a sphere that
@@ -64,14 +65,16 @@ def view_factors(
 
     Parameters
     ----------
-    packing : Packing
-        The bed.
+    packing : Packing or iterable of Packing
+        The bed; or frames, such as a flow or `read_frames` gives. Edges, window and blocks are those of the first.
     edges : (layers + 1,) array, optional
         Depths that part the layers, from 0; three layers by `layer_edges` if not given. [m]
     tolerance : float, optional
-        Trace until every standard error is below this. 1e-3 if `rays` is not given either.
+        Trace until every standard error is below this. 1e-3 if `rays` is not given either. Of frames, those of the
+        means are, and each frame has fewer rays; where their number is not known beforehand, each frame's are.
     rays : int, optional
-        Trace this many rays instead, or somewhat more, so that every piece of the wall emits as many.
+        Trace this many rays instead, or somewhat more, so that every piece of the wall emits as many. Frames share
+        them; where their number is not known beforehand, each has as many.
     seed : int
         Seed of the rays.
     window : Window, optional
@@ -87,17 +90,46 @@ def view_factors(
     Returns
     -------
     ViewFactors
-        Shares that sum to one, their standard errors, and what they cost.
+        Shares that sum to one, their standard errors, and what they cost; of frames `TrajectoryViewFactors`.
 
     Raises
     ------
     ValueError
         If the edges do not ascend from 0, are deeper than the wall allows, `tolerance` and `rays` are both
-        given or not positive, no number of rays meets the tolerance, or the window reaches beyond the bed.
+        given or not positive, no number of rays meets the tolerance, the window reaches beyond the bed, there are no
+        frames, or one has another wall than the first.
+    TypeError
+        If a frame is not a packing.
     """
-    begin = time.perf_counter()
-    depth_edges = _check_edges(packing, edges)
     target, wanted = _check_effort(tolerance, rays)
+    if isinstance(packing, Packing):
+        return _of_bed(packing, edges, target, wanted, seed, window, blocks, threads, progress)
+
+    def trace(
+        bed: Packing, first: ViewFactors | None, tolerance: float | None, rays: int | None, seed: int
+    ) -> ViewFactors:
+        if first is None:
+            return _of_bed(bed, edges, tolerance, rays, seed, window, blocks, threads, None)
+        parts = len(first.block_shares)
+        return _of_bed(bed, first.edges, tolerance, rays, seed, first.window, parts, threads, None)
+
+    return mean_over_frames(packing, trace, target, wanted, seed, progress)
+
+
+def _of_bed(
+    packing: Packing,
+    edges: ArrayLike | None,
+    target: float | None,
+    wanted: int | None,
+    seed: int,
+    window: Window | None,
+    blocks: int | None,
+    threads: int | None,
+    progress: Progress | None,
+) -> ViewFactors:
+    """The view factors of one bed."""
+    begin = time.perf_counter()
+    depth_edges = edges_from_wall(packing, edges)
     measured = check_window(packing, window)
     parts = block_count(packing, measured) if blocks is None else blocks
     if parts < 1:
@@ -132,7 +164,14 @@ def view_factors(
     )
 
 
-def _check_edges(packing: Packing, edges: ArrayLike | None) -> FloatArray:
+def edges_from_wall(packing: Packing, edges: ArrayLike | None) -> FloatArray:
+    """Depths that part the layers, checked, the first of them 0; three layers by `layer_edges` if not given.
+
+    Raises
+    ------
+    ValueError
+        If they do not ascend from 0 or are deeper than the wall allows.
+    """
     if edges is None:
         return layer_edges(packing)
     checked = check_edges(edges, packing.wall)
@@ -141,7 +180,7 @@ def _check_edges(packing: Packing, edges: ArrayLike | None) -> FloatArray:
     return checked
 
 
-def _check_effort(tolerance: float | None, rays: int | None) -> tuple[float | None, int]:
+def _check_effort(tolerance: float | None, rays: int | None) -> tuple[float | None, int | None]:
     if tolerance is not None and rays is not None:
         raise ValueError(f"give tolerance or rays, not both (tolerance={tolerance!r}, rays={rays!r})")
     if rays is not None:
@@ -151,7 +190,7 @@ def _check_effort(tolerance: float | None, rays: int | None) -> tuple[float | No
     target = 1e-3 if tolerance is None else float(tolerance)
     if not (math.isfinite(target) and target > 0):
         raise ValueError(f"tolerance is {tolerance!r}; expected a positive number")
-    return target, 0
+    return target, None
 
 
 def available_processors() -> int:

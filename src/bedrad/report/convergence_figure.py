@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,13 @@ FEWEST_RAYS = 100
 """A target that the longest run meets with fewer rays has no error worth a curve."""
 
 LONG_AXIS = 2.5
-"""Decades of run time above which only powers of ten get a number."""
+"""Decades above which only powers of ten get a number."""
+
+SHORTEST_AXIS = 1.0
+"""Decades that an axis has at least, so that one run has a place on it, and three numbers stand along it."""
+
+MARGIN = 0.05
+"""Share of an axis that is left free at either end."""
 
 
 def convergence_figure(data: StageData, name: str) -> Any:
@@ -34,7 +41,7 @@ def convergence_figure(data: StageData, name: str) -> Any:
     """
     figure = style.new_figure(10.4, 6.2)
     by_time, by_rays = figure.subplots(1, 2, sharey=True)
-    rays, seconds = np.asarray(data["rays"], dtype=float), np.asarray(data["seconds"], dtype=float)
+    rays, seconds = np.asarray(data["rays"], dtype=float), _positive(data["seconds"])
     shown, left_out = _chosen(data)
     for axes, x in ((by_time, seconds), (by_rays, rays)):
         axes.set(xscale="log", yscale="log")
@@ -43,7 +50,8 @@ def convergence_figure(data: StageData, name: str) -> Any:
         _guide(axes, x, rays, data, [k for k, _ in shown])
     by_time.set(xlabel="Run time, without set-up of the grid [s]", ylabel="Error of the view factors [–]")
     by_rays.set_xlabel("Number of rays [–]")
-    _plain_numbers(by_time, seconds)
+    _plain_numbers(by_time, seconds, "{:g}".format)
+    _plain_numbers(by_rays, rays, _short)
     _rays_above(by_time, seconds, data["rays"])
     by_time.set_title(style.literal(name))
     _legend(figure, by_rays, data, left_out)
@@ -78,7 +86,8 @@ def _target(axes: Any, x: FloatArray, data: StageData, k: int, color: str, marke
     # a root mean square over n normal deviates scatters by 1/sqrt(2 n)
     scatter = true / np.sqrt(2 * data["seeds"])
     axes.errorbar(x[order], true, yerr=scatter, fmt=marker, color=color, elinewidth=0.8, label=label)
-    axes.plot(x[order], said, "-", color=color, linewidth=1.3)
+    # a single point has no line; its mark is as flat as one
+    axes.plot(x[order], said, "-", marker="_" if len(x) == 1 else "", markersize=12, color=color, linewidth=1.3)
 
 
 def _positive(values: FloatArray) -> FloatArray:
@@ -96,13 +105,17 @@ def _guide(axes: Any, x: FloatArray, rays: FloatArray, data: StageData, shown: l
     axes.plot(x[order], (2.5 * np.nanmax(errors) / np.sqrt(rays))[order], ":", color=style.GREY, linewidth=1.4)
 
 
-def _plain_numbers(axes: Any, values: FloatArray) -> None:
-    """Ticks such as 0.02 and 0.05 where the axis is short, and no powers of ten."""
+def _plain_numbers(axes: Any, values: FloatArray, written: Callable[[float], str]) -> None:
+    """Limits around the values, and ticks such as 0.02 and 0.05 where the axis is short, and no powers of ten."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-    long = np.ptp(np.log10(values)) > LONG_AXIS
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if long else (1.0, 2.0, 5.0)))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    places = np.log10(values[np.isfinite(values)])
+    decades = max(float(np.ptp(places)), SHORTEST_AXIS) if places.size else SHORTEST_AXIS
+    middle = 0.5 * (places.min() + places.max()) if places.size else 0.0
+    half = (0.5 + MARGIN) * decades
+    axes.set_xlim(10.0 ** (middle - half), 10.0 ** (middle + half))
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if decades > LONG_AXIS else (1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: written(value)))
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 
@@ -112,8 +125,8 @@ def _rays_above(axes: Any, seconds: FloatArray, rays: FloatArray) -> None:
 
     above = axes.twiny()
     above.set(xscale="log", xlim=axes.get_xlim())
-    places = np.log10(seconds)
-    kept = style.spread(places, 0.11 * float(np.ptp(np.log10(axes.get_xlim()))))
+    timed = np.flatnonzero(np.isfinite(seconds))
+    kept = timed[style.spread(np.log10(seconds[timed]), 0.11 * float(np.ptp(np.log10(axes.get_xlim()))))]
     above.set_xticks(seconds[kept], [_short(rays[k]) for k in kept])
     above.xaxis.set_minor_locator(NullLocator())
     above.set_xlabel("Number of rays [–]")

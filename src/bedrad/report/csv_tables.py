@@ -50,9 +50,10 @@ def _cell(value: Any) -> str:
 
 
 def heading(name: str, fields: Mapping[str, Field]) -> str:
-    """Name of a column for a field of the results file, with its unit."""
+    """Name of a column for a field of the results file, with its unit where it is a number."""
     field = name.removesuffix("_error")
     words = name
     for short, long in _WORDS.items():
         words = words.replace(short, long)
-    return f"{words} [{'particle radii' if field in _RADII else fields[field][0]}]"
+    unit = "particle radii" if field in _RADII else fields[field][0]
+    return f"{words} [{unit}]" if unit else words

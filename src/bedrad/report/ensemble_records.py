@@ -4,21 +4,38 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 
-from bedrad.jobs.fields import UNITS
+from bedrad.jobs.ensemble_summary import AXES, QUANTITIES, Mean
 from bedrad.jobs.results import ENSEMBLE, Results, StageData
 from bedrad.jobs.unit_columns import field_of
+from bedrad.report.records import celsius
 
-__all__ = ["EnsembleRecord", "MeanRow", "load_ensemble", "mean_rows"]
+__all__ = [
+    "EnsembleRecord",
+    "MeanRow",
+    "doubtful_groups",
+    "flat",
+    "group_title",
+    "load_ensemble",
+    "mean_rows",
+    "without_second_case",
+]
 
-_STAGES = ("statistics", "view_factors", "prediction")
-_ENDINGS = ("_packing_error", "_ray_error", "_scatter", "_unit_error")
-_AXES = ("edges", "wall_temperature")
+_STAGES = tuple(QUANTITIES)
+
+_SERIOUS = ("jammed", "thinned", "not steady")
+"""How the problems of a flow begin that make its numbers doubtful; too few structures only make errors large."""
+
+FEW_BEDS = 8
+"""Beds below which their scatter alone says little: one pair in three is closer than half of what is typical."""
+
+_ENDINGS = tuple(f"_{field.name}" for field in fields(Mean) if field.name != "mean")
+_AXES = {name for names in AXES.values() for name in names}
 
 
 @dataclass(frozen=True)
@@ -40,8 +57,8 @@ class EnsembleRecord:
 
     @property
     def groups(self) -> list[dict[str, float]]:
-        """What is swept beside the seeds, by name, of each group of beds. [m]"""
-        names = [name for name in ("tube_diameter", "particle_diameter") if name in self.ensemble]
+        """What is swept beside the seeds, by name, of each group of beds. [m], [m/s]"""
+        names = [name for name in ("tube_diameter", "particle_diameter", "velocity") if name in self.ensemble]
         count = len(self.ensemble["units"])
         return [{name: float(self.ensemble[name][k]) for name in names} for k in range(count)]
 
@@ -81,6 +98,19 @@ class MeanRow:
     scatter: float
     unit_error: float
 
+    @property
+    def error(self) -> float:
+        """Standard error of the mean: from bed to bed; of few beds not less than what they state of themselves."""
+        if self.beds >= FEW_BEDS:
+            return self.packing_error
+        return float(np.fmax(self.packing_error, self.unit_error / math.sqrt(self.beds)))
+
+    @property
+    def celsius(self) -> float | None:
+        """Wall temperature that it is for, in degrees Celsius; None where it depends on none."""
+        kelvin = self.where.removesuffix(" K")
+        return None if kelvin == self.where else float(celsius(float(kelvin)))
+
 
 def load_ensemble(results: Results) -> EnsembleRecord:
     """Read the results of many beds; BadFileError if the file is something else."""
@@ -93,7 +123,7 @@ def mean_rows(record: EnsembleRecord) -> Iterator[MeanRow]:
     """Every number of the summary, the groups one after the other."""
     for group, beds in enumerate(record.ensemble["units"].tolist()):
         for stage in _STAGES:
-            held = _flat(record.ensemble.get(stage, {}))
+            held = flat(record.ensemble.get(stage, {}))
             for name, values in held.items():
                 if name.endswith(_ENDINGS) or name.rpartition("/")[2] in _AXES:
                     continue
@@ -108,14 +138,37 @@ def mean_rows(record: EnsembleRecord) -> Iterator[MeanRow]:
                     yield MeanRow(group, beds, stage, name, title, units, where, float(values[at]), *more)
 
 
-def _flat(data: StageData, prefix: str = "") -> dict[str, Any]:
+def without_second_case(rows: Iterable[MeanRow]) -> list[MeanRow]:
+    """Leave out predictions by correlation, where there are some by what was measured or traced."""
+    kept = list(rows)
+    if not any(row.name.startswith("measured/") for row in kept):
+        return kept
+    return [row for row in kept if not row.name.startswith("correlations/")]
+
+
+def flat(data: StageData, prefix: str = "") -> dict[str, Any]:
+    """What lies in groups within a group, by paths such as "measured/nusselt"."""
     found: dict[str, Any] = {}
     for name, value in data.items():
-        found |= _flat(value, f"{prefix}{name}/") if isinstance(value, dict) else {f"{prefix}{name}": value}
+        found |= flat(value, f"{prefix}{name}/") if isinstance(value, dict) else {f"{prefix}{name}": value}
     return found
 
 
-def unit_title(name: str) -> str:
-    """Name of a column for what a file of many beds says of each."""
-    units = UNITS[name][0]
-    return f"{name.replace('_', ' ')} [{units}]" if units else name.replace("_", " ")
+def doubtful_groups(record: EnsembleRecord) -> set[int]:
+    """Groups with a flow that is jammed, thinned or not steady: what is measured of it may be of no flow at all."""
+    told = record.units.get("flow", {}).get("problems", ())
+    groups = record.groups
+    names = list(groups[0]) if groups else []
+    values = np.array([[group[name] for name in names] for group in groups], dtype=float)
+    found: set[int] = set()
+    for unit, text in enumerate(told):
+        if any(problem.startswith(_SERIOUS) for problem in str(text).split("; ")):
+            own = np.array([float(record.units[name][unit]) for name in names])
+            found |= set(np.flatnonzero((values == own).all(axis=1)).tolist())
+    return found
+
+
+def group_title(group: Mapping[str, float]) -> str:
+    """What is swept, as words."""
+    shown = {name: f"{v:.4g} m/s" if name == "velocity" else f"{1e3 * v:.4g} mm" for name, v in group.items()}
+    return ", ".join(f"{name.replace('_', ' ')} {text}" for name, text in shown.items())

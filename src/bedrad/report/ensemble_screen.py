@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Sequence
 
@@ -10,9 +9,17 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from bedrad.errors import visible
 from bedrad.jobs.results import Results
-from bedrad.report.ensemble_records import EnsembleRecord, MeanRow, load_ensemble, mean_rows
-from bedrad.report.records import celsius, with_error
+from bedrad.report.ensemble_records import (
+    EnsembleRecord,
+    MeanRow,
+    group_title,
+    load_ensemble,
+    mean_rows,
+    without_second_case,
+)
+from bedrad.report.records import error_text, value_text
 from bedrad.report.terminal import add_row, new_table
 
 __all__ = ["summary"]
@@ -23,6 +30,9 @@ SHOWN_GROUPS = 12
 SHOWN_WARNINGS = 3
 
 _NAMES = {
+    "velocity": "mean velocity U [m/s]",
+    "froude": "U* = U/(g d)^0.5",
+    "solid_fraction": "solid fraction, whole section",
     "packing_fraction": "solid fraction phi_wa",
     "contacts_per_area": "wall contacts n_C [1/mm²]",
     "contact_ratio": "n_C/n_C,max",
@@ -33,6 +43,7 @@ _NAMES = {
     "wall": "  back to wall",
     "escaped": "  open ends",
     "measured/heat_transfer_coefficient": "h [W/(m² K)]",
+    "correlations/heat_transfer_coefficient": "h, by correlation [W/(m² K)]",
 }
 """The quantities of the screen, in order, and what they are called there."""
 
@@ -56,14 +67,15 @@ def summary(results: Results) -> RenderableType:
         If the results file is missing or is something else.
     """
     record = load_ensemble(results)
-    rows = [row for row in mean_rows(record) if row.name in _NAMES]
-    parts: list[RenderableType] = [Text(record.name, style="bold")]
+    rows = without_second_case(row for row in mean_rows(record) if row.name in _NAMES)
+    parts: list[RenderableType] = [Text(visible(record.name), style="bold")]
     groups = record.groups
     for number, group in enumerate(groups[:SHOWN_GROUPS]):
         own = [row for row in rows if row.group == number]
-        title = f"{record.ensemble['units'][number]:,} beds"
+        beds = int(record.ensemble["units"][number])
+        title = f"{beds:,} bed{'' if beds == 1 else 's'}"
         if group:
-            title += ": " + ", ".join(f"{name.replace('_', ' ')} {1e3 * value:.4g} mm" for name, value in group.items())
+            title += f": {group_title(group)}"
         if own:
             parts += [Text(), _table(title, own)]
         else:
@@ -80,22 +92,17 @@ def _table(title: str, rows: Sequence[MeanRow]) -> Table:
     for row in sorted(rows, key=lambda row: order.index(row.name)):
         scale = 1e-6 if row.name == "contacts_per_area" else 1.0
         text = f"{_NAMES[row.name]} {_where(row)}".rstrip()
-        value = "none" if math.isnan(row.mean) else with_error(scale * row.mean, scale * row.packing_error)
-        add_row(table, text, value, _small(scale * row.ray_error), _small(scale * row.scatter))
+        value = value_text(scale * row.mean, scale * row.error, 4)
+        add_row(table, text, value, error_text(scale * row.ray_error), error_text(scale * row.scatter))
     table.caption = Text(
-        "± from bed to bed: standard error of the mean, the rays' share in it; one bed ±: scatter of beds"
+        "±: standard error of the mean, from bed to bed, of few beds not below what they state; the rays' share in it; "
+        "scatter: standard deviation of beds"
     )
     return table
 
 
 def _where(row: MeanRow) -> str:
-    if not row.where.endswith(" K"):
-        return row.where
-    return f"at {float(celsius(float(row.where.removesuffix(' K')))):g} °C"
-
-
-def _small(error: float) -> str:
-    return "" if math.isnan(error) else f"{error:.1e}"
+    return row.where if row.celsius is None else f"at {row.celsius:g} °C"
 
 
 def _notes(record: EnsembleRecord) -> list[RenderableType]:
@@ -106,7 +113,7 @@ def _notes(record: EnsembleRecord) -> list[RenderableType]:
         notes.append(Text(f"{failed:,} beds failed: see the table of failures"))
     told = Counter(line for text in record.units["warnings"] for line in text.splitlines())
     for text, count in told.most_common(SHOWN_WARNINGS):
-        notes.append(Text(f"{count:,} beds warn: {text}"))
+        notes.append(Text(f"{count:,} beds warn: {visible(text)}"))
     if len(told) > SHOWN_WARNINGS:
         notes.append(Text(f"and {len(told) - SHOWN_WARNINGS:,} other warnings: units/warnings in the results file"))
     return [Text(), *notes] if notes else []

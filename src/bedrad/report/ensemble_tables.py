@@ -3,23 +3,36 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from bedrad.jobs.fields import UNITS
 from bedrad.jobs.locking import remove_leftovers
 from bedrad.jobs.results import Results
 from bedrad.jobs.unit_columns import field_of
-from bedrad.report.csv_tables import Table, write_tables_beside
-from bedrad.report.ensemble_records import EnsembleRecord, load_ensemble, mean_rows, unit_title
+from bedrad.report.csv_tables import Table, heading, write_tables_beside
+from bedrad.report.ensemble_records import EnsembleRecord, flat, load_ensemble, mean_rows
 
 __all__ = ["write_tables"]
 
-_OF_UNITS = ("label", "key", "path", "frame", "content", "seed", "tube_diameter", "particle_diameter", "bed_seed")
+_OF_UNITS = (
+    "label",
+    "key",
+    "path",
+    "frame",
+    "content",
+    "seed",
+    "tube_diameter",
+    "particle_diameter",
+    "velocity",
+    "bed_seed",
+)
 
 
 def write_tables(results: Results, folder: Path) -> list[Path]:
     """Write ``<stem>_means.csv`` (a quantity a row), ``<stem>_beds.csv`` (a bed a row) and ``<stem>_failures.csv``.
+
+    The last only if beds failed; if none did, a table of failures that an earlier run of the same beds left is removed.
 
     Parameters
     ----------
@@ -45,12 +58,26 @@ def write_tables(results: Results, folder: Path) -> list[Path]:
     tables = {"means": _means(record), "beds": _beds(record), "failures": _failures(record)}
     for name in tables:
         remove_leftovers(stem.with_name(f"{stem.name}_{name}.csv"))
+    failures = tables["failures"]
+    if not failures["label"]:
+        del tables["failures"]
+        _remove_stale(stem.with_name(f"{stem.name}_failures.csv"), failures)
     return write_tables_beside(stem, tables)
+
+
+def _remove_stale(path: Path, table: Table) -> None:
+    """Remove a table that is true no longer; a file of that name with other columns is not ours, and stays."""
+    heading = ",".join(table).encode() + b"\n"
+    if path.is_file():
+        with path.open("rb") as stream:
+            ours = stream.read(len(heading)) == heading
+        if ours:
+            path.unlink()
 
 
 def _means(record: EnsembleRecord) -> Table:
     rows, groups = list(mean_rows(record)), record.groups
-    table: Table = {unit_title(name): [groups[row.group][name] for row in rows] for name in (groups or [{}])[0]}
+    table: Table = {heading(name, UNITS): [groups[row.group][name] for row in rows] for name in (groups or [{}])[0]}
     return table | {
         "beds": [row.beds for row in rows],
         "stage": [row.stage for row in rows],
@@ -69,10 +96,12 @@ def _means(record: EnsembleRecord) -> Table:
 def _beds(record: EnsembleRecord) -> Table:
     """Every bed a row, with each quantity whose mean is taken, and its error."""
     units = record.units
-    table: Table = {unit_title(name): list(units[name]) for name in _OF_UNITS if name in units}
+    table: Table = {heading(name, UNITS): list(units[name]) for name in _OF_UNITS if name in units}
+    if "problems" in units.get("flow", {}):
+        table["flow/problems"] = list(units["flow"]["problems"])
     for stage, name in dict.fromkeys((row.stage, row.name) for row in mean_rows(record)):
         for key in (name, f"{name}_error"):
-            values = _inside(units, stage, key)
+            values = flat(units.get(stage, {})).get(key)
             if values is None:
                 continue
             label = field_of(stage, key)[0]
@@ -80,13 +109,6 @@ def _beds(record: EnsembleRecord) -> Table:
                 place = f" {index[0] + 1}" if index else ""
                 table[f"{stage}/{key}{place} [{label}]"] = values[(slice(None), *index)].tolist()
     return table
-
-
-def _inside(units: Any, stage: str, name: str) -> Any:
-    place = units.get(stage, {})
-    for part in name.split("/"):
-        place = place.get(part) if isinstance(place, dict) else None
-    return place
 
 
 def _failures(record: EnsembleRecord) -> Table:

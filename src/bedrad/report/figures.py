@@ -58,13 +58,8 @@ def write_figures(results: Results, folder: Path) -> list[Path]:
         If a figure cannot be written; no half-written file stays behind.
     """
     record = load(results)
-    written = []
     with style.styled():
-        for name, figure in draw(record).items():
-            path = Path(folder) / f"{results.path.stem}_{name}.png"
-            style.save(figure, path, f"{record.name}: {name.replace('_', ' ')}")
-            written.append(path)
-    return written
+        return style.save_beside(draw(record), Path(folder) / results.path.stem, record.name)
 
 
 def draw(record: Record) -> dict[str, Any]:

@@ -6,18 +6,14 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bedrad.jobs.results import StageData
 from bedrad.report import style
-from bedrad.report.records import cases, celsius, is_published, radiation_gain, stated
+from bedrad.report.records import cases, celsius, is_published, own_and_published, radiation_gain, stated
 
 __all__ = ["conductivity_figure", "heat_transfer_figure"]
 
-FloatArray = NDArray[np.float64]
-
 _TEMPERATURE = "Wall temperature [°C]"
-_ERRORS = "± 2 standard errors of what is measured"
 
 
 def heat_transfer_figure(prediction: StageData, name: str) -> Any:
@@ -34,11 +30,8 @@ def heat_transfer_figure(prediction: StageData, name: str) -> Any:
     """
     found = cases(prediction)
     colours = dict(zip(found, zip(style.COLOURS, style.MARKERS, strict=True), strict=False))
-    groups = [
-        (title, {key: case for key, case in found.items() if is_published(key) == published})
-        for title, published in ((style.literal(name), False), ("Published systems (Watkins 2018, Table 5.1)", True))
-    ]
-    groups = [group for group in groups if group[1]]
+    titles = (style.literal(name), "Published systems (Watkins 2018, Table 5.1)")
+    groups = [(title, group) for title, group in zip(titles, own_and_published(found), strict=True) if group]
     figure = style.new_figure(5.2 * len(groups), 6.2)
     axes = figure.subplots(2, len(groups), sharex=True, sharey="row", height_ratios=(2.3, 1.0), squeeze=False)
     for column, (title, group) in enumerate(groups):
@@ -63,7 +56,7 @@ def conductivity_figure(prediction: StageData, name: str) -> Any:
     name : str
         Title of the job.
     """
-    found = {key: case for key, case in cases(prediction).items() if not is_published(key)}
+    found, _ = own_and_published(cases(prediction))
     figure = style.new_figure(6.4, 4.6)
     axes = figure.subplots()
     banded = False
@@ -72,8 +65,10 @@ def conductivity_figure(prediction: StageData, name: str) -> Any:
         for quantity, line in (("wall_layer_conductivity", "-"), ("radiative_conductivity", "--")):
             values = np.atleast_1d(case[quantity])
             banded |= style.band(axes, T, values, np.atleast_1d(stated(case[f"{quantity}_error"])), color)
-            _curve(axes, T, values, color, marker, line, _short(key, case) if line == "-" else None)
-    _explain(axes, {"-": "conduction, $k_\\mathregular{wa}$", "--": "radiation, $k_\\mathregular{rad}$"}, banded=banded)
+            style.curve(axes, T, values, color, marker, line, _short(key, case) if line == "-" else None)
+    style.explain_lines(
+        axes, {"-": "conduction, $k_\\mathregular{wa}$", "--": "radiation, $k_\\mathregular{rad}$"}, banded=banded
+    )
     axes.set(xlabel=_TEMPERATURE, ylabel="Conductivity of the wall layer [W/(m K)]", ylim=(0, None))
     axes.set_title(style.literal(name))
     return figure
@@ -88,28 +83,15 @@ def _coefficients(axes: Any, group: Mapping[str, StageData], colours: Mapping[st
             quantity = f"heat_transfer_coefficient{suffix}"
             values = np.atleast_1d(case[quantity])
             banded |= style.band(axes, T, values, np.atleast_1d(stated(case[f"{quantity}_error"])), color)
-            _curve(axes, T, values, color, marker, line, _short(key, case) if line == "-" else None)
-    _explain(axes, {"-": "with radiation", "--": "without radiation"}, banded=banded)
+            style.curve(axes, T, values, color, marker, line, _short(key, case) if line == "-" else None)
+    style.explain_lines(axes, {"-": "with radiation", "--": "without radiation"}, banded=banded)
 
 
 def _gains(axes: Any, group: Mapping[str, StageData], colours: Mapping[str, tuple[str, str]]) -> None:
     for key, case in group.items():
         color, marker = colours[key]
         gain = 100 * np.atleast_1d(radiation_gain(case))
-        _curve(axes, np.atleast_1d(celsius(case["wall_temperature"])), gain, color, marker, "-", None)
-
-
-def _curve(axes: Any, x: FloatArray, y: FloatArray, color: str, marker: str, line: str, label: str | None) -> None:
-    axes.plot(
-        x,
-        y,
-        line,
-        color=color,
-        marker=marker,
-        markevery=max(1, (len(x) - 1) // 5),
-        markerfacecolor=color if line == "-" else "white",
-        label=label,
-    )
+        style.curve(axes, np.atleast_1d(celsius(case["wall_temperature"])), gain, color, marker, "-", None)
 
 
 def _short(key: str, case: StageData) -> str:
@@ -120,18 +102,3 @@ def _short(key: str, case: StageData) -> str:
     return (
         f"{title}: A {case['diameter_ratio']:.1f}, {1e6 * case['particle_diameter']:.0f} µm, {case['velocity']:.3f} m/s"
     )
-
-
-def _explain(axes: Any, lines: Mapping[str, str], *, banded: bool) -> None:
-    """The legend: the cases by colour, then the lines by kind."""
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
-    handles, labels = axes.get_legend_handles_labels()
-    for line, text in lines.items():
-        handles.append(Line2D([], [], color=style.GREY, linestyle=line))
-        labels.append(text)
-    if banded:
-        handles.append(Patch(color=style.GREY, alpha=0.25, linewidth=0))
-        labels.append(_ERRORS)
-    axes.legend(handles, labels, loc="best")

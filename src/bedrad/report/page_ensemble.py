@@ -6,10 +6,11 @@ from collections import Counter
 from collections.abc import Sequence
 
 from bedrad.jobs.results import Results
-from bedrad.report.ensemble_records import EnsembleRecord, MeanRow, load_ensemble, mean_rows
+from bedrad.report.ensemble_records import EnsembleRecord, MeanRow, group_title, load_ensemble, mean_rows
+from bedrad.report.page_figures import embedded
 from bedrad.report.page_html import Html, element, given, measured, number, page_section, table
-from bedrad.report.page_sections import seconds
-from bedrad.report.records import celsius
+from bedrad.report.page_sections import TITLES, seconds
+from bedrad.report.sweep_figure import sweep_figure
 
 __all__ = ["GROUPS", "ensemble_section"]
 
@@ -19,7 +20,6 @@ GROUPS = ("ensemble", "units", "failures")
 MOST_GROUPS, MOST_FAILURES = 40, 100
 """Combinations of what is swept, and failed beds, that have a place on the page."""
 
-_STAGES = {"statistics": "packing statistics", "view_factors": "view factors", "prediction": "heat transfer"}
 _CASES = {"": "", "measured": ", from the beds", "correlations": ", by correlation"}
 
 
@@ -39,30 +39,43 @@ def ensemble_section(results: Results) -> Html:
         beds = int(record.ensemble["units"][group])
         title = _beds(beds)
         if sizes:
-            title += "".join(f", {name.replace('_', ' ')} {number(1e3 * size)} mm" for name, size in sizes.items())
+            title += f", {group_title(sizes)}"
         parts.append(element("h3", title))
         # "measured/nusselt" is of the case "measured"
         tables: dict[str, list[MeanRow]] = {}
         for row in rows:
             if row.group == group:
                 case = row.name.rpartition("/")[0]
-                tables.setdefault(_STAGES.get(row.stage, row.stage) + _CASES.get(case, f", {case}"), []).append(row)
+                tables.setdefault(TITLES.get(row.stage, row.stage) + _CASES.get(case, f", {case}"), []).append(row)
         parts += [_means(text, own) for text, own in tables.items()]
     if len(swept) > MOST_GROUPS:
         parts.append(element("p", f"{len(swept) - MOST_GROUPS:,} more combinations are in the tables beside the file."))
     note = (
-        "±: standard error of the mean, from bed to bed. Error of rays: what of it comes from the rays. Scatter: "
-        "standard deviation from bed to bed."
+        "±: standard error of the mean, from bed to bed, of few beds not below what they state of themselves. Error of "
+        "rays: what of it comes from the rays. Scatter: standard deviation from bed to bed."
     )
     return page_section(
         "ensemble",
         "Many beds",
         element("p", note, class_="note"),
+        *_sweep(record),
         *parts,
         *_warnings(record),
         *_failures(record),
         *_units(record),
     )
+
+
+def _sweep(record: EnsembleRecord) -> list[Html]:
+    """The figure of a sweep, where there is one."""
+    drawn = sweep_figure(record)
+    if drawn is None:
+        return []
+    text = "solid fraction, contacts, view factor and heat transfer against what is swept, with error bars"
+    caption = (
+        "Means against what is swept; bars: two standard errors; open: flows that are jammed, thinned or not steady."
+    )
+    return [embedded(drawn, text, caption)]
 
 
 def _means(title: str, rows: Sequence[MeanRow]) -> Html:
@@ -72,9 +85,9 @@ def _means(title: str, rows: Sequence[MeanRow]) -> Html:
         [
             [
                 row.title,
-                _where(row.where),
+                _where(row),
                 "–" if row.units == "1" else row.units.replace("m2", "m²"),
-                measured(row.mean, row.packing_error),
+                measured(row.mean, row.error),
                 number(row.ray_error, 2),
                 number(row.scatter, 2),
             ]
@@ -87,8 +100,8 @@ def _beds(count: int) -> str:
     return f"{count:,} bed{'' if count == 1 else 's'}"
 
 
-def _where(text: str) -> str:
-    return f"{given(float(celsius(float(text[:-2]))))} °C" if text.endswith(" K") else text
+def _where(row: MeanRow) -> str:
+    return row.where if row.celsius is None else f"{given(row.celsius)} °C"
 
 
 def _warnings(record: EnsembleRecord) -> list[Html]:

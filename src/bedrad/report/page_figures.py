@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from bedrad.heat.budget import LABELS
 from bedrad.jobs.results import StageData
 from bedrad.report import style
+from bedrad.report.budget_bars import draw_bars, hottest_wall, input_bars
 from bedrad.report.page_document import data_uri
 from bedrad.report.page_html import Html, figure
 from bedrad.report.page_prediction import budgets
@@ -103,38 +103,17 @@ def budget_figure(prediction: StageData) -> Any:
     found = budgets(prediction)
     if not found:
         return None
-    hottest = {key: int(np.argmax(np.atleast_1d(prediction[key]["wall_temperature"]))) for key in found}
-    stated = any(np.any(np.asarray(case["budget"]["contributions"]) > 0) for case in found.values())
-    sizes: dict[str, dict[str, float]] = {}
+    walls = []
     for key, case in found.items():
-        names = [str(text) for text in case["budget"]["inputs"]]
-        size = np.asarray(case["budget"]["contributions" if stated else "elasticities"], dtype=float)
-        h = float(np.atleast_1d(prediction[key]["heat_transfer_coefficient"])[hottest[key]])
-        column = size.reshape(len(names), -1)[:, hottest[key]] * (100.0 / h if stated else 1.0)
-        sizes[key] = dict(zip(names, column.tolist(), strict=True))
-    # a case may lack an input that another has
-    inputs = list(dict.fromkeys(name for row in sizes.values() for name in row))
-    rows = np.array([[row.get(name, 0.0) for name in inputs] for row in sizes.values()])
-    largest = np.abs(rows).max(axis=0)
-    order = np.argsort(-largest, kind="stable")[: min(_INPUTS, np.count_nonzero(largest))][::-1]
-    drawn = style.new_figure(7.0, 1.6 + 0.36 * len(order))
+        budget, names = case["budget"], [str(text) for text in case["budget"]["inputs"]]
+        # the columns of a budget are in the job's order of temperatures
+        T, h = prediction[key]["wall_temperature"], prediction[key]["heat_transfer_coefficient"]
+        walls.append(hottest_wall(names, T, budget["contributions"], budget["elasticities"], h))
+    bars = input_bars(walls, _INPUTS)
+    drawn = style.new_figure(7.0, 1.6 + 0.36 * len(bars.inputs))
     axes = drawn.subplots()
-    height = 0.8 / len(rows)
-    for k, (key, row) in enumerate(zip(found, rows, strict=True)):
-        places = np.arange(len(order)) + 0.4 - (k + 0.5) * height
-        axes.barh(
-            places,
-            row[order],
-            height=0.9 * height,
-            color=style.COLOURS[k],
-            label=style.literal(str(found[key]["title"])),
-        )
-    axes.set_yticks(np.arange(len(order)), [LABELS.get(inputs[i], (inputs[i],))[0] for i in order])
-    axes.axvline(0.0, color=style.GREY, linewidth=0.8)
-    axes.grid(visible=False, axis="y")
-    axes.set_xlabel("Standard error of $h$ from the input [%]" if stated else "Change of $h$ by 1 % of the input [%]")
-    key = next(iter(found))
-    T = float(celsius(np.atleast_1d(prediction[key]["wall_temperature"])[hottest[key]]))
+    draw_bars(axes, bars, 9.5, [str(case["title"]) for case in found.values()])
+    T = float(celsius(np.max(prediction[next(iter(found))]["wall_temperature"])))
     axes.set_title(f"What matters at {T:.6g} °C")
     drawn.legend(loc="outside lower center", ncols=1)
     return drawn

@@ -11,7 +11,17 @@ from numpy.typing import NDArray
 from bedrad.heat.budget import LABELS
 from bedrad.jobs.results import StageData
 from bedrad.report.page_html import Html, element, given, joined, measured, number, table
-from bedrad.report.records import Record, cases, celsius, is_published, radiation_gain, stated, targets
+from bedrad.report.records import (
+    Record,
+    cases,
+    celsius,
+    evenly,
+    is_published,
+    own_and_published,
+    radiation_gain,
+    stated,
+    targets,
+)
 
 __all__ = ["budget_tables", "budgets", "glance", "prediction_tables"]
 
@@ -32,7 +42,7 @@ def glance(record: Record) -> Html:
     items = []
     stages = record.stages
     if "prediction" in stages:
-        own = {key: case for key, case in cases(stages["prediction"]).items() if not is_published(key)}
+        own, _ = own_and_published(cases(stages["prediction"]))
         for key, case in own.items():
             T = float(np.atleast_1d(celsius(case["wall_temperature"]))[-1])
             h = _value(case, "heat_transfer_coefficient", -1)
@@ -67,8 +77,7 @@ def _value(case: StageData, name: str, k: int, scale: float = 1.0) -> str:
 def prediction_tables(prediction: StageData) -> Html:
     """Each case of the job against wall temperature, what went into it, and the published systems."""
     found = cases(prediction)
-    own = {key: case for key, case in found.items() if not is_published(key)}
-    published = {key: case for key, case in found.items() if is_published(key)}
+    own, published = own_and_published(found)
     parts: list[str] = []
     for key, case in own.items():
         parts.append(_against_temperature(f"Heat transfer, {_case(key)}: {case['title']}", case))
@@ -143,7 +152,7 @@ def _published(published: Mapping[str, StageData]) -> Html:
     chosen: NDArray[np.int64] = np.array([0], dtype=np.int64)
     for case in published.values():
         T = np.atleast_1d(celsius(case["wall_temperature"]))
-        chosen = np.unique(np.round(np.linspace(0, len(T) - 1, min(len(T), 6))).astype(np.int64))
+        chosen = evenly(len(T), 6)
         gain = 100 * np.atleast_1d(radiation_gain(case))
         rows.append([str(case["title"]), *(number(float(gain[k]), 3) for k in chosen),
                      _value(case, "heat_transfer_coefficient", -1)])  # fmt: skip
@@ -155,10 +164,10 @@ def _published(published: Mapping[str, StageData]) -> Html:
 
 def budgets(prediction: StageData) -> dict[str, StageData]:
     """Cases of the job's own tube that hold a budget of uncertainty."""
-    found = cases(prediction)
+    own, _ = own_and_published(cases(prediction))
     return {
-        key: case for key, case in found.items()
-        if not is_published(key) and isinstance(case.get("budget"), dict) and "elasticities" in case["budget"]
+        key: case for key, case in own.items()
+        if isinstance(case.get("budget"), dict) and "elasticities" in case["budget"]
     }  # fmt: skip
 
 

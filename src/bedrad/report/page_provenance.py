@@ -24,7 +24,7 @@ MOST_ROWS = 60
 def groups(path: Path) -> set[str]:
     """Names of the groups in a results file."""
     with h5py.File(path, "r") as file:
-        return {str(name) for name in file}
+        return {str(name) for name in _own(file)}
 
 
 def other_stages(path: Path, names: set[str]) -> Html:
@@ -49,6 +49,11 @@ def other_stages(path: Path, names: set[str]) -> Html:
     return page_section("other", "Also in the file", *parts)
 
 
+def _own(group: h5py.Group) -> list[str]:
+    """Names of what a group holds itself; a link may lead nowhere, or back to where it is."""
+    return [name for name in group if isinstance(group.get(name, getlink=True), h5py.HardLink)]
+
+
 def _walk(item: Any, place: str, rows: list[list[str]]) -> int:
     """Add a row for every number in a group and the groups in it; how many there are."""
     if isinstance(item, h5py.Dataset):
@@ -58,7 +63,7 @@ def _walk(item: Any, place: str, rows: list[list[str]]) -> int:
         return 1
     if not isinstance(item, h5py.Group):
         return 0
-    names = [name for name in item if not (name.endswith("_error") and name.removesuffix("_error") in item)]
+    names = [name for name in _own(item) if not (name.endswith("_error") and name.removesuffix("_error") in item)]
     return sum(_walk(item.get(name), f"{place}/{name}" if place else name, rows) for name in names)
 
 

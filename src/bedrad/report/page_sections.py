@@ -12,10 +12,19 @@ from bedrad.jobs.stages import ORDER
 from bedrad.report.page_html import Html, element, joined, measured, number, page_section, table
 from bedrad.report.records import Record, correlated_layer, targets
 
-__all__ = ["bed_facts", "computed", "convergence_tables", "seconds", "statistics_tables", "view_factor_tables"]
+__all__ = [
+    "TITLES",
+    "bed_facts",
+    "computed",
+    "convergence_tables",
+    "seconds",
+    "statistics_tables",
+    "view_factor_tables",
+]
 
 TITLES: Mapping[str, str] = {
     "packing": "bed",
+    "flow": "flow",
     "statistics": "packing statistics",
     "view_factors": "view factors",
     "convergence": "convergence",

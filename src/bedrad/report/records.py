@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,11 +22,15 @@ __all__ = [
     "cases",
     "celsius",
     "correlated_layer",
+    "error_text",
+    "evenly",
     "is_published",
     "load",
+    "own_and_published",
     "radiation_gain",
     "stated",
     "targets",
+    "value_text",
     "with_error",
 ]
 
@@ -163,6 +167,12 @@ def is_published(key: str) -> bool:
     return key not in JOB_CASES
 
 
+def own_and_published(found: Mapping[str, StageData]) -> tuple[dict[str, StageData], dict[str, StageData]]:
+    """The cases of the job's own tube, and the published systems."""
+    own = {key: case for key, case in found.items() if not is_published(key)}
+    return own, {key: case for key, case in found.items() if is_published(key)}
+
+
 def radiation_gain(case: StageData) -> FloatArray:
     """What radiation adds to h: h with radiation over h without, less 1. (n,) array."""
     with_radiation = np.asarray(case["heat_transfer_coefficient"], dtype=float)
@@ -189,6 +199,21 @@ def with_error(value: float, error: float, decimals: int = 4) -> str:
         return f"{value:.{decimals}f}"
     digits = max(0, 1 - math.floor(math.log10(error)))
     return f"{value:.{digits}f} ± {error:.{digits}f}"
+
+
+def value_text(value: float, error: float, decimals: int = 3) -> str:
+    """A value and its standard error as `with_error` writes them; "none" where there is no value."""
+    return "none" if math.isnan(value) else with_error(value, error, decimals)
+
+
+def error_text(error: float) -> str:
+    """An error in a column of its own, such as "1.2e-03"; empty where there is none."""
+    return "" if math.isnan(error) else f"{error:.1e}"
+
+
+def evenly(count: int, most: int) -> NDArray[np.int64]:
+    """Indices of at most so many of a number of rows, the first, the last and evenly between them."""
+    return np.unique(np.round(np.linspace(0, count - 1, min(count, most))).astype(np.int64))
 
 
 def targets(data: StageData) -> Iterator[Target]:

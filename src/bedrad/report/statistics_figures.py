@@ -52,14 +52,9 @@ def write_statistics_figures(data: StageData, unrolled: UnrolledWall, stem: Path
     OSError
         If a figure cannot be written.
     """
-    written = []
     with style.styled():
         figures = {"profile": profile_figure(data, name), "unrolled_wall": unrolled_wall_figure(unrolled, name)}
-        for what, figure in figures.items():
-            path = stem.with_name(f"{stem.name}_{what}.png")
-            style.save(figure, path, f"{name}: {what.replace('_', ' ')}")
-            written.append(path)
-    return written
+        return style.save_beside(figures, stem, name)
 
 
 def profile_figure(data: StageData, name: str) -> Any:

@@ -12,22 +12,13 @@ from rich.text import Text
 from bedrad.jobs.comparison import COMPARED_TOLERANCES, Comparison
 from bedrad.packings.coordination import RATTLER_CONTACTS
 from bedrad.packings.statistics import Statistics, TrajectoryStatistics
-from bedrad.report.records import with_error
-from bedrad.report.terminal import add_row, new_table
+from bedrad.report.records import value_text
+from bedrad.report.terminal import WALL_LAYER_ROWS, add_row, new_table
 from bedrad.walls import Plate, Wall
 
 __all__ = ["statistics_screen"]
 
-_ROWS = (
-    ("solid fraction phi_wa", "packing_fraction", 1.0),
-    ("wall contacts per area n_C [1/mm²]", "contacts_per_area", 1e-6),
-    ("contacts over hexagonal maximum n_C/n_C,max", "contact_ratio", 1.0),
-    ("share of no-contact (NC) particles", "nc_share", 1.0),
-    ("NC distance a [particle radii], plain mean", "nc_distance", 1.0),
-    ("  weighted by volume in the wall layer", "nc_distance_weighted", 1.0),
-    ("  the one that closes the solid volume", "nc_distance_closing", 1.0),
-    ("hexagonal order |psi_6| of what touches the wall", "hexagonal_order", 1.0),
-)
+_ROWS = (*WALL_LAYER_ROWS, ("hexagonal order |psi_6| of what touches the wall", "hexagonal_order", 1.0))
 
 
 def statistics_screen(found: Statistics, compared: Sequence[Comparison], velocity: float | None) -> RenderableType:
@@ -49,7 +40,7 @@ def statistics_screen(found: Statistics, compared: Sequence[Comparison], velocit
     """
     parts: list[RenderableType] = [Text(line) for line in _head(found)]
     parts += [_wall_layer(found), Text(), _by_gap(found), Text(), _layers(found)]
-    share = _number(found.rattler_share, found.rattler_share_error)
+    share = value_text(found.rattler_share, found.rattler_share_error)
     parts.append(Text(f"rattlers, with fewer than {RATTLER_CONTACTS} contacts, the wall counted: {share}"))
     if compared:
         assert velocity is not None  # noqa: S101 - nothing is compared without
@@ -87,17 +78,13 @@ def _structures(found: Statistics, name: str) -> list[str]:
     return ["" if math.isnan(number) else f"{number:.1f}"]
 
 
-def _number(value: float, error: float, decimals: int = 3) -> str:
-    return "none" if math.isnan(value) else with_error(value, error, decimals)
-
-
 def _wall_layer(found: Statistics) -> Any:
     several = isinstance(found, TrajectoryStatistics)
     title = f"Wall layer (contact: gap up to {found.contact_gap:g} radii)"
     table = new_table(title, "", "measured", *(["structures"] if several else []))
     for text, name, scale in _ROWS:
         value, error = scale * getattr(found, name), scale * getattr(found, f"{name}_error")
-        add_row(table, text, _number(value, error), *_structures(found, name))
+        add_row(table, text, value_text(value, error), *_structures(found, name))
     return table
 
 
@@ -109,10 +96,10 @@ def _by_gap(found: Statistics) -> Any:
             add_row(
                 table,
                 f"{gap:g}",
-                _number(1e-6 * found.contacts_per_area_by_gap[k], 1e-6 * found.contacts_per_area_by_gap_error[k]),
-                _number(found.contact_ratio_by_gap[k], found.contact_ratio_by_gap_error[k]),
-                _number(found.nc_share_by_gap[k], found.nc_share_by_gap_error[k]),
-                _number(found.coordination_by_gap[0, k], found.coordination_by_gap_error[0, k]),
+                value_text(1e-6 * found.contacts_per_area_by_gap[k], 1e-6 * found.contacts_per_area_by_gap_error[k]),
+                value_text(found.contact_ratio_by_gap[k], found.contact_ratio_by_gap_error[k]),
+                value_text(found.nc_share_by_gap[k], found.nc_share_by_gap_error[k]),
+                value_text(found.coordination_by_gap[0, k], found.coordination_by_gap_error[0, k]),
             )
     return table
 
@@ -123,8 +110,8 @@ def _layers(found: Statistics) -> Any:
         add_row(
             table,
             f"{1e3 * near:.3g} to {1e3 * found.edges[k + 1]:.3g}",
-            _number(found.packing_fractions[k], found.packing_fractions_error[k]),
-            _number(found.coordination[k], found.coordination_error[k]),
+            value_text(found.packing_fractions[k], found.packing_fractions_error[k]),
+            value_text(found.coordination[k], found.coordination_error[k]),
         )
     return table
 
@@ -136,7 +123,7 @@ def _correlations(compared: Sequence[Comparison], velocity: float) -> Any:
         add_row(
             table,
             row.name,
-            _number(row.measured, row.error),
+            value_text(row.measured, row.error),
             f"{row.correlation:.3f}",
             f"{100 * row.difference:+.1f} %",
             "" if math.isnan(row.residual) else f"{row.residual:+.1f} SE",

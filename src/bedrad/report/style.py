@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -11,18 +11,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bedrad.atomic import atomic_path
-from bedrad.errors import MissingExtraError
+from bedrad.errors import MissingExtraError, visible
 
 __all__ = [
     "COLOURS",
     "GREY",
     "MARKERS",
     "band",
+    "curve",
     "depth_axis",
+    "explain_lines",
     "layer_bands",
     "literal",
     "new_figure",
     "save",
+    "save_beside",
     "spread",
     "styled",
 ]
@@ -86,8 +89,8 @@ def new_figure(width: float, height: float) -> Any:
 
 
 def literal(text: str) -> str:
-    """A text that matplotlib takes as it is: a dollar sign would start a formula."""
-    return text.replace("$", r"\$")
+    """A text that matplotlib takes as it is: a dollar sign would start a formula, and no font has signs of control."""
+    return visible(text).replace("$", r"\$")
 
 
 def save(figure: Any, path: Path, title: str) -> None:
@@ -104,12 +107,50 @@ def save(figure: Any, path: Path, title: str) -> None:
         FigureCanvasAgg(figure).print_png(stream, metadata={"Title": title, "Software": "bedrad"})
 
 
+def save_beside(figures: Mapping[str, Any], stem: Path, title: str) -> list[Path]:
+    """Write figures as ``<stem>_<name>.png``, titled with their names, and return the files; OSError as `save`."""
+    files = []
+    for name, figure in figures.items():
+        files.append(stem.with_name(f"{stem.name}_{name}.png"))
+        save(figure, files[-1], f"{title}: {name.replace('_', ' ')}")
+    return files
+
+
 def band(axes: Any, x: FloatArray, y: FloatArray, error: FloatArray, color: str) -> bool:
     """Shade two standard errors to both sides of a curve; whether there was any error to shade."""
     if not np.isfinite(error).any():
         return False
     axes.fill_between(x, y - 2 * error, y + 2 * error, color=color, alpha=0.25, linewidth=0)
     return True
+
+
+def curve(axes: Any, x: FloatArray, y: FloatArray, color: str, marker: str, line: str, label: str | None) -> None:
+    """Draw a curve with about six markers, full on a solid line and hollow on any other."""
+    axes.plot(
+        x,
+        y,
+        line,
+        color=color,
+        marker=marker,
+        markevery=max(1, (len(x) - 1) // 5),
+        markerfacecolor=color if line == "-" else "white",
+        label=label,
+    )
+
+
+def explain_lines(axes: Any, lines: Mapping[str, str], *, banded: bool = False) -> None:
+    """Make the legend: what has a label by colour, then the lines by kind, and the bands where there are any."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    handles, labels = axes.get_legend_handles_labels()
+    for line, text in lines.items():
+        handles.append(Line2D([], [], color=GREY, linestyle=line))
+        labels.append(text)
+    if banded:
+        handles.append(Patch(color=GREY, alpha=0.25, linewidth=0))
+        labels.append("± 2 standard errors of what is measured")
+    axes.legend(handles, labels, loc="best")
 
 
 def layer_bands(axes: Any, edges: FloatArray, notes: Sequence[str], color: str) -> None:

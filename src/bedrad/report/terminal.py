@@ -12,24 +12,39 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from bedrad.errors import visible
 from bedrad.jobs.results import Results, StageData
 from bedrad.report.records import (
     Record,
     cases,
     celsius,
     correlated_layer,
-    is_published,
+    error_text,
+    evenly,
     load,
+    own_and_published,
     radiation_gain,
     stated,
     targets,
+    value_text,
     with_error,
 )
 
-__all__ = ["add_row", "new_table", "summary"]
+__all__ = ["WALL_LAYER_ROWS", "add_row", "new_table", "summary"]
 
 SHOWN_TEMPERATURES = 6
 """Wall temperatures in the tables, evenly spread over those computed."""
+
+WALL_LAYER_ROWS = (
+    ("solid fraction phi_wa", "packing_fraction", 1.0),
+    ("wall contacts per area n_C [1/mm²]", "contacts_per_area", 1e-6),
+    ("contacts over hexagonal maximum n_C/n_C,max", "contact_ratio", 1.0),
+    ("share of no-contact (NC) particles", "nc_share", 1.0),
+    ("NC distance a [particle radii], plain mean", "nc_distance", 1.0),
+    ("  weighted by volume in the wall layer", "nc_distance_weighted", 1.0),
+    ("  the one that closes the solid volume", "nc_distance_closing", 1.0),
+)
+"""What is measured at the wall: text, name in the statistics, and factor from SI units to the text's."""
 
 
 def summary(results: Results) -> RenderableType:
@@ -60,7 +75,7 @@ def summary(results: Results) -> RenderableType:
     if "prediction" in stages:
         tables += _prediction(cases(stages["prediction"]))
     tables.append(_costs(record))
-    parts: list[RenderableType] = [Text(record.name, style="bold")]
+    parts: list[RenderableType] = [Text(visible(record.name), style="bold")]
     for table in tables:
         if table.row_count:
             parts += [Text(), table]
@@ -86,8 +101,8 @@ def new_table(title: str, first: str, *columns: str) -> Table:
 
 
 def add_row(table: Table, *cells: str) -> None:
-    """Add a row of texts as they are: rich would take [...] in a string for a style."""
-    table.add_row(*(Text(cell) for cell in cells))
+    """Add a row of texts as they are: rich would take [...] in a string for a style. A cell is one line."""
+    table.add_row(*(Text(visible(cell)) for cell in cells))
 
 
 def _statistics(data: StageData, prediction: StageData | None) -> Table:
@@ -95,18 +110,8 @@ def _statistics(data: StageData, prediction: StageData | None) -> Table:
     correlated = correlated_layer(prediction)
     headings = ["measured"] + (["by correlation"] if correlated else [])
     table = new_table("Wall layer", "", *headings)
-    rows = (
-        ("solid fraction phi_wa", "packing_fraction", 1.0),
-        ("wall contacts per area n_C [1/mm²]", "contacts_per_area", 1e-6),
-        ("contacts over hexagonal maximum n_C/n_C,max", "contact_ratio", 1.0),
-        ("share of no-contact (NC) particles", "nc_share", 1.0),
-        ("NC distance a [particle radii], plain mean", "nc_distance", 1.0),
-        ("  weighted by volume in the wall layer", "nc_distance_weighted", 1.0),
-        ("  the one that closes the solid volume", "nc_distance_closing", 1.0),
-    )
-    for text, name, scale in rows:
-        value, error = scale * data[name], scale * data[f"{name}_error"]
-        cells = ["none" if math.isnan(value) else with_error(value, error, 3)]
+    for text, name, scale in WALL_LAYER_ROWS:
+        cells = [value_text(scale * data[name], scale * data[f"{name}_error"])]
         if correlated is not None:
             given = getattr(correlated, name, None)
             cells.append("" if given is None else f"{scale * given:.3f}")
@@ -133,8 +138,8 @@ def _view_factors(data: StageData) -> Table:
              "escaped": "open ends"}.get(row.name, row.name),
             depth,
             f"{row.factor:.5f}",
-            _error(row.ray_error),
-            _error(row.bed_error),
+            error_text(row.ray_error),
+            error_text(row.bed_error),
             "" if math.isnan(row.watkins) else f"{row.watkins:.5f}",
             "" if math.isnan(row.published) else f"{row.published:.2f}",
         )  # fmt: skip
@@ -148,13 +153,8 @@ def _view_factors(data: StageData) -> Table:
     return table
 
 
-def _error(error: float) -> str:
-    return "" if math.isnan(error) else f"{error:.1e}"
-
-
 def _prediction(found: Mapping[str, StageData]) -> list[Table]:
-    own = {key: case for key, case in found.items() if not is_published(key)}
-    published = {key: case for key, case in found.items() if is_published(key)}
+    own, published = own_and_published(found)
     parts: list[Table] = []
     if own:
         parts += [_coefficients(own), _conductivities(own)]
@@ -165,8 +165,7 @@ def _prediction(found: Mapping[str, StageData]) -> list[Table]:
 
 def _chosen(case: StageData) -> NDArray[np.int64]:
     """Indices of the wall temperatures to show."""
-    n = np.size(case["wall_temperature"])
-    return np.unique(np.round(np.linspace(0, n - 1, min(n, SHOWN_TEMPERATURES))).astype(np.int64))
+    return evenly(np.size(case["wall_temperature"]), SHOWN_TEMPERATURES)
 
 
 def _values(case: StageData, name: str, decimals: int, scale: float = 1.0) -> list[str]:
@@ -207,7 +206,8 @@ def _coefficients(own: Mapping[str, StageData]) -> Table:
         columns.append((f"gain\n{_SHORT.get(key, key)}\n[%]", [f"{g:+.1f}" for g in gain]))
     table = _by_temperature("Heat transfer coefficient in the tube, h [W/(m² K)]", next(iter(own.values())), columns)
     notes = [
-        f"{_SHORT.get(key, key)}: {case['title']};\n  k_b by {_BULK.get(case['bulk_model'], case['bulk_model'])}"
+        f"{visible(_SHORT.get(key, key))}: {visible(str(case['title']))};\n"
+        f"  k_b by {visible(str(_BULK.get(case['bulk_model'], case['bulk_model'])))}"
         for key, case in own.items()
     ]
     signs = "without: no radiation; gain: what radiation adds to h"

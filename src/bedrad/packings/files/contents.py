@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bedrad.packings.packing import Provenance
 from bedrad.walls import Plate, Rod, Tube, Wall
+
+if TYPE_CHECKING:
+    from bedrad.packings.packing import Provenance
 
 __all__ = ["Contents", "describe_wall", "make_wall", "plain_value"]
 

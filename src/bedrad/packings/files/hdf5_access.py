@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import mmap
+import os
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -16,7 +19,23 @@ from numpy.typing import NDArray
 from bedrad.errors import BadFileError, visible
 from bedrad.packings.files.text import is_ordinary
 
-__all__ = ["check_together", "holds", "member", "number_attribute", "open_hdf5", "read_array", "where"]
+__all__ = [
+    "DAMAGED",
+    "attribute",
+    "check_together",
+    "holds",
+    "member",
+    "number_attribute",
+    "open_hdf5",
+    "read_array",
+    "where",
+]
+
+DAMAGED = "damaged or cut-off HDF5 file: "
+"""How the reason begins why a file could not be read."""
+
+before_opening: Callable[[Path], None] | None = None
+"""Is told of every file before the library opens it; the process that may die sets its limits by it."""
 
 _SMALL = 1 << 24
 """Arrays up to this size are read however little is stored of them. [bytes]"""
@@ -46,6 +65,8 @@ def open_hdf5(path: Path) -> Iterator[h5py.File]:
     try:
         if not is_ordinary(path):
             raise BadFileError(f"{path}: a pipe or device; expected a file")
+        if before_opening is not None:
+            before_opening(path)
         _check_heaps(path)
         with h5py.File(path, "r") as file:
             yield file
@@ -53,10 +74,15 @@ def open_hdf5(path: Path) -> Iterator[h5py.File]:
         raise
     except FileNotFoundError as error:
         raise BadFileError(f"{path}: no such file") from error
+    except OSError as error:
+        # the library has errors of its own, without a number, for what is in a file
+        if error.errno is not None:
+            raise BadFileError(f"{path}: cannot be read: {os.strerror(error.errno)}") from error
+        raise BadFileError(f"{path}: {DAMAGED}{visible(str(error))[:_LONGEST]}") from error
     # h5py tells of damage by any of these
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError) as error:
+    except (RuntimeError, KeyError, ValueError, TypeError, MemoryError) as error:
         reason = visible(str(error))[:_LONGEST]
-        raise BadFileError(f"{path}: damaged or cut-off HDF5 file ({reason})") from error
+        raise BadFileError(f"{path}: {DAMAGED}{reason}") from error
 
 
 def _check_heaps(path: Path) -> None:
@@ -64,7 +90,7 @@ def _check_heaps(path: Path) -> None:
     if not path.stat().st_size:
         return
     with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
-        heap = data.find(_HEAP)
+        heap = _next_heap(stream.fileno(), data, 0)
         while heap >= 0:
             if heap + _HEAP_HEAD > len(data):
                 break
@@ -72,14 +98,33 @@ def _check_heaps(path: Path) -> None:
             place, end = heap + _HEAP_HEAD, heap + size
             while place + _OBJECT.size <= end:
                 if end > len(data):
-                    raise BadFileError(f"{path}: damaged or cut-off HDF5 file (a heap of texts ends beyond it)")
+                    raise BadFileError(f"{path}: {DAMAGED}a heap of texts ends beyond it")
                 number, _, length = _OBJECT.unpack_from(data, place)
                 # free space counts its own head, an object does not and is filled up to eight bytes
                 taken = length if number == 0 else _OBJECT.size + -(-length // 8) * 8
                 if not _OBJECT.size <= taken <= end - place:
-                    raise BadFileError(f"{path}: damaged or cut-off HDF5 file (a heap of texts with a false size)")
+                    raise BadFileError(f"{path}: {DAMAGED}a heap of texts with a false size")
                 place += taken
-            heap = data.find(_HEAP, heap + _HEAP_HEAD)
+            heap = _next_heap(stream.fileno(), data, heap + _HEAP_HEAD)
+
+
+def _next_heap(descriptor: int, data: mmap.mmap, begin: int) -> int:
+    """Where the next heap begins, or -1. Holes are passed over: going through them takes time, and room in memory."""
+    while begin < len(data):
+        end = len(data)
+        try:
+            begin = os.lseek(descriptor, begin, os.SEEK_DATA)
+            end = os.lseek(descriptor, begin, os.SEEK_HOLE)
+        except (AttributeError, OSError) as error:
+            if getattr(error, "errno", None) == errno.ENXIO:
+                return -1
+            # this system or disk knows no holes
+        # the zeros at the end of its name may lie in one
+        found = data.find(_HEAP, begin, end + len(_HEAP) - 1)
+        if found >= 0:
+            return found
+        begin = end
+    return -1
 
 
 def where(item: h5py.Group | h5py.Dataset) -> str:
@@ -109,6 +154,25 @@ def member(group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset | None:
     return found if isinstance(found, (h5py.Group, h5py.Dataset)) else None
 
 
+def attribute(item: h5py.Group | h5py.Dataset, name: str) -> Any:
+    """Return an attribute as h5py gives it; None if there is no such attribute.
+
+    Raises
+    ------
+    BadFileError
+        If it is a list of variable length, which nothing that is read here has. The library (2.0.0) takes a text whose
+        kind is broken for one, does not know where in memory to put it, and crashes (a NULL file in `H5VL_blob_put`).
+    """
+    if name not in item.attrs:
+        return None
+    if item.attrs.get_id(name).get_type().detect_class(h5py.h5t.VLEN):
+        told = visible(name)[:_LONGEST]
+        raise BadFileError(
+            f"{where(item)}: the attribute {told!r} is a list of variable length; expected texts, numbers"
+        )
+    return item.attrs[name]
+
+
 def number_attribute(item: h5py.Group | h5py.Dataset, name: str) -> float | None:
     """Return an attribute that is one number; None if there is no such attribute.
 
@@ -119,8 +183,8 @@ def number_attribute(item: h5py.Group | h5py.Dataset, name: str) -> float | None
     """
     if name not in item.attrs:
         return None
-    attribute = item.attrs.get_id(name)
-    if attribute.dtype.kind not in "fiu" or not _is_one(attribute.shape):
+    found = item.attrs.get_id(name)
+    if found.dtype.kind not in "fiu" or not _is_one(found.shape):
         raise BadFileError(f"{where(item)}: the attribute {name!r} is not a number")
     value = float(np.asarray(item.attrs[name]).reshape(()))
     if not math.isfinite(value):
