@@ -107,8 +107,8 @@ def make_plan(job: Job, results: Results) -> Plan:
     ]
     left_out = [
         (n, f"the job has no [{n}]" + ("; the results file keeps its earlier one" if n in finished else ""))
-        for n in stages.ORDER
-        if n not in wanted and n != "flow"
+        for n in stages.BY_SECTION
+        if n not in wanted
     ]
     return Plan(tuple(planned), tuple(left_out), inputs)
 

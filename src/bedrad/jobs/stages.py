@@ -32,7 +32,17 @@ from bedrad.raytrace.factors import ViewFactors
 from bedrad.raytrace.view_factors import view_factors
 from bedrad.walls import Window
 
-__all__ = ["ORDER", "REVISIONS", "RUNNERS", "Earlier", "fill_statistics", "fill_view_factors", "make_bed", "make_flow"]
+__all__ = [
+    "BY_SECTION",
+    "ORDER",
+    "REVISIONS",
+    "RUNNERS",
+    "Earlier",
+    "fill_statistics",
+    "fill_view_factors",
+    "make_bed",
+    "make_flow",
+]
 
 
 def run_packing(job: Job, results: Earlier, progress: Progress) -> Fill:  # noqa: ARG001 - one signature for all stages
@@ -203,6 +213,9 @@ RUNNERS: Mapping[str, Runner] = {
 }
 
 ORDER = tuple(RUNNERS)
+
+BY_SECTION = tuple(name for name in ORDER if name != "flow")
+"""Those that a job asks for by a section of their name; what a flow does is told of every flow."""
 
 REVISIONS: Mapping[str, int] = dict.fromkeys(RUNNERS, 1) | {
     "statistics": 2,

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from bedrad.jobs.results import StageData
-from bedrad.jobs.stages import ORDER
+from bedrad.jobs.stages import BY_SECTION, ORDER
 from bedrad.report.page_html import Html, element, joined, measured, number, page_section, table
 from bedrad.report.records import Record, correlated_layer, targets
 
@@ -91,7 +91,7 @@ def seconds(time: float) -> str:
 
 def _left_out(record: Record, job: StageData, held: set[str]) -> list[str]:
     reasons = []
-    for stage in ORDER:
+    for stage in BY_SECTION:
         if stage in record.stages or ("ensemble" in held and job.get(stage) is not None):
             continue
         if job.get(stage) is not None:
