@@ -57,7 +57,7 @@ def test_failed_beds_are_told_in_the_end_and_the_code_is_1(call, job_file, tmp_p
     assert "bed_8.h5: the same bed as" in out
     code, out, err = call("run", job_file, "-o", tmp_path / "r.h5")
     assert code == 1
-    assert "1 beds failed: see the table of failures" in out
+    assert "1 bed failed: see the table of failures" in out
     assert "bed_8.h5 is the same bed as" in out
     assert err[-2].startswith(f"bedrad: {tmp_path / 'beds' / 'bed_7.h5'}: ")
     assert err[-1] == f"bedrad: 1 of {BEDS + 1} beds failed, the others are kept; the same command tries them again"

@@ -108,11 +108,12 @@ def _run_one(job: Job, path: Path) -> int:
 
 def _plan_many(job: Job, path: Path) -> int:
     from bedrad.jobs.ensemble import plan_ensemble
+    from bedrad.jobs.members import beds_of
 
     plan = plan_ensemble(job, path)
-    say(f"{'kept':<9} {len(plan.done):,} beds measured before")
+    say(f"{'kept':<9} {beds_of(len(plan.done))} measured before")
     what = ", ".join(_stages(job)) or "settled, nothing measured"
-    say(f"{'run':<9} {len(plan.members) - len(plan.done):,} beds: {what}")
+    say(f"{'run':<9} {beds_of(len(plan.members) - len(plan.done))}: {what}")
     for failure in plan.unread:
         say(visible(f"{'failed':<9} {failure.label}: {failure.error}"))
     for failure in plan.repeated:
@@ -148,6 +149,7 @@ def _run_many(job: Job, path: Path, workers: int | None, cluster: str | None) ->
     with _crew(workers, cluster) as crew:
         # the workers load what they need at the same time
         from bedrad.jobs.ensemble import run_ensemble
+        from bedrad.jobs.members import beds_of
         from bedrad.report.ensemble_screen import summary
         from bedrad.report.ensemble_tables import write_tables
 
@@ -165,7 +167,7 @@ def _run_many(job: Job, path: Path, workers: int | None, cluster: str | None) ->
     for failure in outcome.failed[:SHOWN_FAILURES]:
         fail(f"{failure.label}: {failure.error.removeprefix(f'{failure.label}: ')}", 1)
     count, whole = len(outcome.failed), outcome.kept + outcome.done + len(outcome.failed)
-    return fail(f"{count:,} of {whole:,} beds failed, the others are kept; the same command tries them again", 1)
+    return fail(f"{count:,} of {beds_of(whole)} failed, the others are kept; the same command tries them again", 1)
 
 
 def _sweep_figure(results: Results, path: Path) -> list[Path]:

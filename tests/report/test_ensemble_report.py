@@ -104,7 +104,7 @@ def test_the_screen_has_a_table_a_group_and_tells_of_failures_and_warnings(tmp_p
     assert "3 beds: particle diameter 0.6 mm" in text
     # three beds scatter by .0058 about their mean, and state .02 each
     assert "0.420 ± 0.012" in text
-    assert "1 beds failed: see the table of failures" in text
+    assert "1 bed failed: see the table of failures" in text
     assert text.count("6 beds warn: ") == 3
     assert "and 2 other warnings" in text
     assert max(map(len, text.splitlines())) <= 80

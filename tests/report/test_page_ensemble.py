@@ -33,6 +33,8 @@ def results(tmp_path_factory):
 def test_means_and_failures_of_many_beds_are_shown(results):
     page = Page(make_page(results))
     assert page.anchors() == ["computed", "ensemble", "provenance"]
+    # what is only for flows is not left out of other beds
+    assert "[flow]" not in make_page(results)
     assert "3 beds" in page.texts["h3"]
     record = load_ensemble(results)
     held = record.ensemble["statistics"]

@@ -142,7 +142,7 @@ def test_the_end_of_a_run_on_many_beds(tmp_path, screen):
     screen.print(summary_of_many(Results(tmp_path / "r.h5")))
     assert harmless(sent(screen))
     assert sent(screen).splitlines()[0].rstrip() == SHOWN
-    assert "1 beds warn: a" in sent(screen)
+    assert "1 bed warns: a" in sent(screen)
 
 
 def hostile_bed(folder):

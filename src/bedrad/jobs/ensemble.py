@@ -14,7 +14,7 @@ from bedrad.jobs.ensemble_store import EnsembleStore
 from bedrad.jobs.file_section import FileSection
 from bedrad.jobs.job import Job
 from bedrad.jobs.locking import results_lock
-from bedrad.jobs.members import Failure, FileIdentity, Member, file_members, identify, job_files, made_members
+from bedrad.jobs.members import Failure, FileIdentity, Member, beds_of, file_members, identify, job_files, made_members
 from bedrad.jobs.results import Results, check_writable, sha256_of
 from bedrad.jobs.unit_record import UnitRecord, pack
 from bedrad.jobs.unit_work import Found, Task, Work, measure
@@ -139,7 +139,7 @@ def _run(job: Job, store: EnsembleStore, crew: Crew, progress: Progress) -> Outc
     try:
         progress("beds", 0.0, "finding the beds")
         plan = _plan(job, store, crew)
-        progress("beds", 1.0, f"{len(plan.members):,} beds, {len(plan.done):,} of them measured before")
+        progress("beds", 1.0, f"{beds_of(len(plan.members))}, {len(plan.done):,} measured before")
         waiting = [member for member in plan.members if member.key not in plan.done]
         attributes = {"job": job.resolved(), "inputs": json.dumps(_inputs(job), sort_keys=True)}
 

@@ -19,6 +19,7 @@ __all__ = [
     "Failure",
     "FileIdentity",
     "Member",
+    "beds_of",
     "file_members",
     "identify",
     "job_files",
@@ -114,6 +115,11 @@ def identify(section: FileSection, paths: Iterable[Path]) -> list[FileIdentity |
         except (ValueError, OSError, MemoryError) as error:
             found.append(one_line(error))
     return found
+
+
+def beds_of(count: int) -> str:
+    """So many beds, in words."""
+    return f"{count:,} bed" if count == 1 else f"{count:,} beds"
 
 
 def one_line(error: BaseException) -> str:

@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from bedrad.errors import visible
+from bedrad.jobs.members import beds_of
 from bedrad.jobs.results import Results
 from bedrad.report.ensemble_records import (
     EnsembleRecord,
@@ -73,7 +74,7 @@ def summary(results: Results) -> RenderableType:
     for number, group in enumerate(groups[:SHOWN_GROUPS]):
         own = [row for row in rows if row.group == number]
         beds = int(record.ensemble["units"][number])
-        title = f"{beds:,} bed{'' if beds == 1 else 's'}"
+        title = beds_of(beds)
         if group:
             title += f": {group_title(group)}"
         if own:
@@ -110,10 +111,10 @@ def _notes(record: EnsembleRecord) -> list[RenderableType]:
     notes: list[RenderableType] = []
     failed = len(record.failures["label"])
     if failed:
-        notes.append(Text(f"{failed:,} beds failed: see the table of failures"))
+        notes.append(Text(f"{beds_of(failed)} failed: see the table of failures"))
     told = Counter(line for text in record.units["warnings"] for line in text.splitlines())
     for text, count in told.most_common(SHOWN_WARNINGS):
-        notes.append(Text(f"{count:,} beds warn: {visible(text)}"))
+        notes.append(Text(f"{beds_of(count)} {'warns' if count == 1 else 'warn'}: {visible(text)}"))
     if len(told) > SHOWN_WARNINGS:
         notes.append(Text(f"and {len(told) - SHOWN_WARNINGS:,} other warnings: units/warnings in the results file"))
     return [Text(), *notes] if notes else []

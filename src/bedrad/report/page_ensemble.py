@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
+from bedrad.jobs.members import beds_of
 from bedrad.jobs.results import Results
 from bedrad.report.ensemble_records import EnsembleRecord, MeanRow, group_title, load_ensemble, mean_rows
 from bedrad.report.page_figures import embedded
@@ -37,7 +38,7 @@ def ensemble_section(results: Results) -> Html:
     swept = record.groups
     for group, sizes in enumerate(swept[:MOST_GROUPS]):
         beds = int(record.ensemble["units"][group])
-        title = _beds(beds)
+        title = beds_of(beds)
         if sizes:
             title += f", {group_title(sizes)}"
         parts.append(element("h3", title))
@@ -96,10 +97,6 @@ def _means(title: str, rows: Sequence[MeanRow]) -> Html:
     )
 
 
-def _beds(count: int) -> str:
-    return f"{count:,} bed{'' if count == 1 else 's'}"
-
-
 def _where(row: MeanRow) -> str:
     return row.where if row.celsius is None else f"{given(row.celsius)} °C"
 
@@ -120,7 +117,7 @@ def _failures(record: EnsembleRecord) -> list[Html]:
     rows = [[str(label), str(error)] for label, error in zip(labels, errors, strict=True)][:MOST_FAILURES]
     more = len(labels) - len(rows)
     notes = [f"{more:,} more are in the tables beside the file."] if more else []
-    return [table(f"Left out: {_beds(len(labels))} that failed", ["bed", "error"], rows, notes, words=[1])]
+    return [table(f"Left out: {beds_of(len(labels))} that failed", ["bed", "error"], rows, notes, words=[1])]
 
 
 def _units(record: EnsembleRecord) -> list[Html]:
