@@ -323,3 +323,9 @@ def test_numbers_whose_ratios_are_none_are_refused_without_a_warning(tmp_path: P
     path.write_text("x [m],y [m],z [m],radius [m]\n1e300,0,0,1e-300\n0,0,0,1e200\n")
     with pytest.raises(BadFileError, match="reaches inf of its radius through the tube wall"):
         read(path, Tube(1.0))
+
+
+@pytest.mark.parametrize("name", ["a\0.csv", "a\0.h5", "folder\0/a.dump"])
+def test_a_name_that_no_file_can_have_is_told(name):
+    with pytest.raises(BadFileError, match=r"x00.*: has a NUL in its name; expected the name of a file$"):
+        read(name)

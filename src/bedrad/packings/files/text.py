@@ -41,8 +41,13 @@ def is_ordinary(path: Path) -> bool:
     ------
     OSError
         If it leads nowhere.
+    BadFileError
+        If no file can have such a name.
     """
-    mode = path.stat().st_mode
+    try:
+        mode = path.stat().st_mode
+    except ValueError:
+        raise BadFileError(f"{shown(str(path))}: has a NUL in its name; expected the name of a file") from None
     return stat.S_ISREG(mode) or stat.S_ISDIR(mode)
 
 
