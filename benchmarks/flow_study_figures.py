@@ -70,7 +70,7 @@ def matrix_figure(rows: Rows, path: Path) -> None:
             axes.set_xticks([], minor=True)
         for axes in figure.axes[3:]:
             axes.set_xlabel("U/sqrt(g d)")
-        figure.axes[0].legend(ncols=2, frameon=True, facecolor="white", edgecolor="none", framealpha=1.0)
+        figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=6)
         title = "Markers: bedrad's flows, bars of one standard error. Lines: Watkins 2018, eq. 38 and 40, a = 0.22"
         figure.suptitle(title, fontsize=9.5, x=0.01, ha="left")
         style.save(figure, path, "Wall layer and view factors of flows")
