@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import bedrad
-from bedrad.command_options import BedOptions, compiling_told, parse_axis, parse_columns
+from bedrad.bed_options import BedOptions, parse_axis, parse_columns
+from bedrad.command_options import compiling_told
 
 compiled = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 

@@ -29,6 +29,7 @@ BELOW = {
 
 ROOM_OF = dict.fromkeys(
     (
+        "bed_options",
         "command_options",
         "convergence_command",
         "convert_command",

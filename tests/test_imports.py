@@ -42,6 +42,7 @@ def test_the_help_loads_no_extra_and_nothing_that_computes():
     commands = [f"bedrad.{path.stem}" for path in Path(bedrad.__file__).parent.glob("*_command.py")]
     assert {m for m in modules if m.startswith("bedrad.")} == {
         "bedrad.cli",
+        "bedrad.bed_options",
         "bedrad.command_options",
         "bedrad.errors",
         "bedrad.screen",

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from bedrad.bed_options import BedOptions
 from bedrad.command_options import (
     OUTPUT,
-    BedOptions,
     DryRun,
     Output,
     Seed,

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from bedrad.command_options import DryRun, ReadOptions, check_bed_output, list_files, say
+from bedrad.bed_options import ReadOptions
+from bedrad.command_options import DryRun, check_bed_output, list_files, say
 from bedrad.errors import visible
 
 if TYPE_CHECKING:

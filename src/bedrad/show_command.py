@@ -6,7 +6,8 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bedrad.command_options import ReadOptions, compiling_told, list_files
+from bedrad.bed_options import ReadOptions
+from bedrad.command_options import compiling_told, list_files
 from bedrad.report_command import open_in_browser
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from bedrad.bed_options import BedOptions
 from bedrad.command_options import (
     OUTPUT,
-    BedOptions,
     DryRun,
     Length,
     Output,

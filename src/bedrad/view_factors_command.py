@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
+from bedrad.bed_options import BedOptions, parse_columns
 from bedrad.command_options import (
-    BedOptions,
     DryRun,
     Output,
     Seed,
     check_output,
     compiling_told,
-    parse_columns,
     progress_bars,
     save,
     say,

@@ -9,6 +9,7 @@ from scipy.stats import chi2
 import bedrad
 from bedrad.packings.time_averages import errors_of_mean
 from bedrad.raytrace.frames import TrajectoryViewFactors
+from bedrad.raytrace.frames import _seed as frame_seed
 from oracles.beds import axial_chain, random_bed
 
 NEIGHBOUR = 0.07558681842161  # a sphere to a touching equal one
@@ -55,21 +56,21 @@ def test_a_tolerance_is_that_of_the_mean_and_frames_share_the_rays():
 
 
 def test_means_errors_and_covariances_are_those_of_the_frames():
+    """Each frame traced alone with the seed that it has among the others: the same counts, so the same to rounding."""
     frames = beds(6)
     found = bedrad.view_factors(frames, rays=6 * 2**15, seed=3, threads=1)
-    each = [bedrad.view_factors(bed, found.edges, rays=2**15, window=found.window, seed=99 + k) for k, bed in
+    parts = {"window": found.window, "blocks": len(found.block_shares)}
+    each = [bedrad.view_factors(bed, found.edges, rays=2**15, seed=frame_seed(3, k), **parts) for k, bed in
             enumerate(frames)]  # fmt: skip
-    mean = np.mean([shares(one) for one in each], axis=0)
-    error = np.sqrt(np.sum([np.diag(one.covariance) for one in each], axis=0)) / 6
+    assert shares(found) == pytest.approx(np.mean([shares(one) for one in each], axis=0), abs=1e-14)
     assert shares(found).sum() == pytest.approx(1.0, abs=1e-12)
-    # five shares, 4 standard errors of the difference: false alarm 3e-4
-    assert (np.abs(shares(found) - mean) <= 4 * np.sqrt(2) * error + 1e-12).all()
-    assert np.sqrt(np.diag(found.covariance)) == pytest.approx(error, rel=0.5, abs=1e-6)
+    assert found.covariance == pytest.approx(np.sum([one.covariance for one in each], axis=0) / 36, abs=1e-18)
+    assert found.history[-1].errors == pytest.approx(np.sqrt(np.diag(found.covariance)), rel=1e-9)
     stated = [*found.layers_bed_error, found.beyond_bed_error, found.wall_bed_error, found.escaped_bed_error]
+    noise = np.mean([np.diag(one.covariance) for one in each], axis=0)
+    assert stated == pytest.approx(errors_of_mean(np.array([one.block_shares for one in each]), noise)[0], rel=1e-9)
     assert np.sqrt(np.diag(found.covariance_of_bed())) == pytest.approx(stated, rel=1e-9)
     assert np.linalg.eigvalsh(found.covariance_of_bed()).min() > -1e-12
-    cells = np.array([one.block_shares for one in each])
-    assert stated == pytest.approx(errors_of_mean(cells)[0], rel=0.5, abs=2e-4)
     again = bedrad.view_factors(frames, rays=6 * 2**15, seed=3, threads=2)
     assert np.array_equal(shares(found), shares(again))
     assert not np.array_equal(shares(found), shares(bedrad.view_factors(frames, rays=6 * 2**15, seed=4)))
@@ -79,12 +80,13 @@ def test_frames_that_are_all_alike_have_the_error_of_one():
     bed = loose_bed(5)
     one = bedrad.view_factors(bed, rays=2**19, seed=1)
     many = bedrad.view_factors([bed] * 8, rays=2**19, seed=1)
+    # eight frames that had nothing in common would state 0.35 of it; the rays made up to 0.13 of difference on six beds
     assert many.layers_bed_error == pytest.approx(one.layers_bed_error, rel=0.3)
-    assert many.structures[0] < 1.5
+    assert many.structures[0] < 1.05
     # the publication's convention takes the frames' covariance, not the scatter of the blocks as such
     normalised = many.normalised("watkins")
     assert normalised.layers.sum() == pytest.approx(1.0, abs=1e-12)
-    assert normalised.layers_bed_error == pytest.approx(one.normalised("watkins").layers_bed_error, rel=0.4)
+    assert normalised.layers_bed_error == pytest.approx(one.normalised("watkins").layers_bed_error, rel=0.3)
 
 
 def test_the_noise_of_the_rays_is_told_so_that_it_does_not_pass_for_a_bed_that_renews_itself(monkeypatch):

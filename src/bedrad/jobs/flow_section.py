@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
+from bedrad.jobs.grains_section import GrainsSection
 from bedrad.jobs.layers_section import LayersSection
 from bedrad.jobs.section import (
-    BelowOne,
     FieldError,
     NotNegative,
     Positive,
-    PositiveInt,
     PositiveLength,
     PositiveVelocity,
     Section,
 )
-from bedrad.jobs.settle_section import Size
-from bedrad.jobs.units import Density, Pressure, Stiffness
+from bedrad.jobs.units import Pressure
 from bedrad.packings.flow import plan_flow
 from bedrad.packings.flow_plan import Channel, FlowPlan
 from bedrad.walls import Tube, Wall
@@ -47,38 +45,22 @@ class ChannelSection(Section):
     orifice: PositiveLength | None = None
 
 
-class FlowSection(Section):
+class FlowSection(GrainsSection):
     """Frames of a dense flow down a tube, by the discrete-element method."""
 
     velocity: PositiveVelocity | None = None
-    diameter: PositiveLength | None = None
-    sizes: Annotated[tuple[Size, ...], Field(min_length=1, max_length=100)] | None = None
     frames: Annotated[int, Field(ge=2, le=MOST_FRAMES, strict=True)] = 50
     spacing: Positive = 0.5
     flush: NotNegative | None = None
-    density: Annotated[Density, Field(gt=0)] = 3800.0
-    friction: NotNegative = 0.4
-    wall_friction: NotNegative | None = None
-    restitution: BelowOne = 0.85
-    stiffness: Annotated[Stiffness, Field(gt=0)] | None = None
     youngs_modulus: Annotated[Pressure, Field(gt=0)] | None = None
     poisson_ratio: Annotated[NotNegative, Field(lt=0.5)] = 0.3
     channel: ChannelSection = ChannelSection()
-    ranks: PositiveInt = 1
-
-    @model_validator(mode="after")
-    def _check_sizes(self) -> FlowSection:
-        if (self.diameter is None) == (self.sizes is None):
-            raise ValueError("give a diameter or sizes, one of the two")
-        return self
 
     def arguments(self) -> dict[str, Any]:
         """What `bedrad.flow` and `plan_flow` are given beside the wall; ValueError where no channel is meant."""
-        alike = ("velocity", "diameter", "frames", "spacing", "flush", "density", "friction", "wall_friction",
-                 "restitution", "stiffness", "youngs_modulus", "poisson_ratio")  # fmt: skip
-        sizes = None if self.sizes is None else [(size.diameter, size.share) for size in self.sizes]
+        own = ("velocity", "frames", "spacing", "flush", "youngs_modulus", "poisson_ratio")
         channel = Channel(**self.channel.model_dump())
-        return {name: getattr(self, name) for name in alike} | {"sizes": sizes, "channel": channel}
+        return self.grains() | {name: getattr(self, name) for name in own} | {"channel": channel}
 
     def plan(self, wall: Wall) -> FlowPlan:
         """The numbers of the run; ValueError where none can be made of them."""
@@ -88,9 +70,8 @@ class FlowSection(Section):
         """Refuse a flow that cannot be planned, and layers that the tube has no room for."""
         try:
             plan = self.plan(wall)
-            spheres = plan.spheres
-            if spheres > MOST_SPHERES:
-                raise ValueError(f"the channel holds {spheres:,} spheres; expected at most {MOST_SPHERES:,}")
+            if plan.spheres > MOST_SPHERES:
+                raise ValueError(f"the channel holds {plan.spheres:,} spheres; expected at most {MOST_SPHERES:,}")
         except ValueError as error:
             raise FieldError("packing.flow", str(error)) from None
         if measured and isinstance(wall, Tube):

@@ -204,10 +204,10 @@ class Job(Section):
             )
         if "velocity" in values and self.packing.flow is None:
             raise ValueError("sweep.velocity is for a [packing.flow]; a settled bed does not move")
-        shapes = [values[name] for name in values if name != "seed"]
-        names = [name for name in values if name != "seed"]
-        for combination in itertools.islice(itertools.product(*shapes), None if self.packing.settle else _MOST_PLANNED):
-            one = self.swept(dict(zip(names, combination, strict=True)))
+        shapes = {name: listed for name, listed in values.items() if name != "seed"}
+        combinations = itertools.product(*shapes.values())
+        for combination in itertools.islice(combinations, None if self.packing.settle else _MOST_PLANNED):
+            one = self.swept(dict(zip(shapes, combination, strict=True)))
             assert one.packing is not None  # noqa: S101 - as this has one
             assert one.wall is not None  # noqa: S101 - the same
             if one.packing.made is not None:

@@ -2,43 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-from pydantic import Field, model_validator
-
+from bedrad.jobs.grains_section import GrainsSection
 from bedrad.jobs.layers_section import LayersSection
-from bedrad.jobs.section import BelowOne, NotNegative, Positive, PositiveInt, PositiveLength, Section
-from bedrad.jobs.units import Density, Stiffness
+from bedrad.jobs.section import PositiveLength
 from bedrad.walls import Tube, Wall
 
-__all__ = ["SettleSection", "Size"]
+__all__ = ["SettleSection"]
 
 
-class Size(Section):
-    """One size of a size distribution."""
-
-    diameter: PositiveLength
-    share: Positive
-
-
-class SettleSection(Section):
+class SettleSection(GrainsSection):
     """A bed settled by the discrete-element method."""
 
     height: PositiveLength
-    diameter: PositiveLength | None = None
-    sizes: Annotated[tuple[Size, ...], Field(max_length=100)] | None = None
-    density: Annotated[Density, Field(gt=0)] = 3800.0
-    friction: NotNegative = 0.4
-    wall_friction: NotNegative | None = None
-    restitution: BelowOne = 0.85
-    stiffness: Annotated[Stiffness, Field(gt=0)] | None = None
-    ranks: PositiveInt = 1
-
-    @model_validator(mode="after")
-    def _check_sizes(self) -> SettleSection:
-        if (self.diameter is None) == (self.sizes is None) or self.sizes == ():
-            raise ValueError("give a diameter or sizes, one of the two")
-        return self
 
     def check_room(self, wall: Wall, layers: LayersSection, *, measured: bool) -> None:
         """Refuse what could only fail after the settling: layers or margins that the bed has no room for."""

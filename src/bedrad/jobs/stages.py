@@ -61,20 +61,7 @@ def make_bed(job: Job, progress: Progress) -> Packing:
     assert source.settle is not None  # noqa: S101 - checked with the job; a flow is made by `make_flow`
     assert wall is not None  # noqa: S101 - checked with the job
     how = source.settle
-    return settle(
-        wall,
-        how.diameter,
-        how.height,
-        job.seed,
-        sizes=None if how.sizes is None else [(s.diameter, s.share) for s in how.sizes],
-        density=how.density,
-        friction=how.friction,
-        wall_friction=how.wall_friction,
-        restitution=how.restitution,
-        stiffness=how.stiffness,
-        ranks=how.ranks,
-        progress=progress,
-    )
+    return settle(wall, height=how.height, seed=job.seed, **how.grains(), ranks=how.ranks, progress=progress)
 
 
 def make_flow(job: Job, folder: Path, progress: Progress) -> Flow:
