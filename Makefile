@@ -42,10 +42,11 @@ fuzz: $(READY)  ## hostile files for every reader, a million cases; some 40 minu
 study-structure: $(READY)  ## settled beds in tubes of 2.5 to 25 diameters: porosity beside the wall, mean porosity; some 15 minutes
 	$(BIN)/python benchmarks/structure_of_settled_beds.py --csv docs/structure_of_settled_beds.csv --figure docs/images/near_wall_structure.png
 
-study-flow: $(READY)  ## wall layers and view factors of flows; some 7 hours on two cores; goes on where it was cut off
+study-flow: $(READY)  ## wall layers and view factors of flows; some 13 hours on two cores; goes on where it was cut off
 	$(BIN)/python benchmarks/flow_study.py --csv docs/flow_study.csv
 	$(BIN)/python benchmarks/flow_fits.py --csv docs/flow_study.csv --module src/bedrad/heat/flow_coefficients.py
 	$(BIN)/python benchmarks/flow_study_figures.py --csv docs/flow_study.csv --folder docs/images
+	$(BIN)/python benchmarks/flow_study_tables.py --csv docs/flow_study.csv
 
 study-grey: $(READY)  ## grey walls and particles: exchange factors of settled and random beds, when black is wrong; some 5 minutes
 	$(BIN)/python benchmarks/grey_radiation.py

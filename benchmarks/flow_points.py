@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from bedrad.packings.contact import STEPS_PER_CONTACT
 from bedrad.packings.flow_plan import Channel
 
 __all__ = ["FRAMES", "MATRIX", "POINTS", "REFERENCE", "VARIATIONS", "Point"]
@@ -39,6 +40,8 @@ class Point:
         What differs from the matrix; "" for a point of the matrix.
     options : mapping
         Arguments of `bedrad.flow` that differ.
+    steps_per_contact : int
+        Time steps in a contact, which `bedrad.flow` does not leave to its callers.
     """
 
     tube: float
@@ -47,6 +50,7 @@ class Point:
     seed: int
     variation: str = ""
     options: dict[str, Any] = field(default_factory=dict)
+    steps_per_contact: int = STEPS_PER_CONTACT
 
     @property
     def name(self) -> str:
@@ -70,7 +74,7 @@ class Point:
         ratio = self.tube / self.diameter
         d, length = 1e3 * self.diameter, self.options.get("tube_length", 30.0)
         displacement = 20.0 + 6.0 * self.velocity**2 / (9.81 * self.diameter) + 30.0 * SPACINGS[self.velocity]
-        steps = 10.0 / d**0.5 + displacement / self.velocity / 40.0
+        steps = (10.0 / d**0.5 + displacement / self.velocity / 40.0) * self.steps_per_contact / STEPS_PER_CONTACT
         return ratio**2 * (length + 1.14 * ratio) * steps * (self.options.get("stiffness", 100.0) / 100.0) ** 0.5
 
 
@@ -79,6 +83,8 @@ _OF_CHANNEL = {"tube_length", "window", "hopper_width", "hopper_angle", "hopper_
 VARIED = (
     ("stiffness x 4", {"stiffness": 400.0}),
     ("stiffness x 16", {"stiffness": 1600.0}),
+    ("Hertz contacts, 10 MPa", {"youngs_modulus": 1e7}),
+    ("half the time step", {}),
     ("restitution 0.5", {"restitution": 0.5}),
     ("wall friction 0", {"wall_friction": 0.0}),
     ("wall friction 0.1", {"wall_friction": 0.1}),
@@ -93,8 +99,11 @@ VARIED = (
     ("hopper angle 120", {"hopper_angle": 120.0}),
     ("tube 60 d, near the hopper", {"tube_length": 60.0, "window": (40.0, 52.0)}),
     ("tube 60 d, near the belt", {"tube_length": 60.0}),
+    ("flush 40 d", {"flush": 40.0 + 6.0 * VARIATION_VELOCITY**2 / (9.81 * REFERENCE[1])}),
 )
 """What is varied around the reference, one thing at a time."""
+
+_FINER = {"half the time step": (2 * STEPS_PER_CONTACT,)}
 
 MATRIX = [
     Point(tube, diameter, velocity, seed)
@@ -105,7 +114,7 @@ MATRIX = [
 
 VARIATIONS = [
     *(
-        Point(*REFERENCE, VARIATION_VELOCITY, seed, variation, options)
+        Point(*REFERENCE, VARIATION_VELOCITY, seed, variation, options, *_FINER.get(variation, ()))
         for variation, options in VARIED
         for seed in SEEDS
     ),

@@ -1,4 +1,4 @@
-"""Tables of the flow study for its page: the matrix beside Watkins' correlations, and what is varied.
+"""Tables of the flow study for its page: the matrix beside Watkins' correlations, what is varied, how errors fare.
 
 Called as: python benchmarks/flow_study_tables.py [--csv docs/flow_study.csv]
 """
@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from flow_points import REFERENCE, VARIATION_VELOCITY, VARIED
 from flow_study import ROOT, read_rows
-from flow_study_figures import Rows, mean_of_seeds
+from flow_study_figures import Rows, mean_of_seeds, value
 
 from bedrad.heat import correlations
 
@@ -56,11 +56,26 @@ def variations(rows: Rows) -> list[str]:
     return lines
 
 
+def errors(rows: Rows) -> list[str]:
+    """A row for every quantity: what the two seeds of a flow differ by, in standard errors of the difference."""
+    twins: dict[tuple[str, ...], Rows] = {}
+    for row in rows:
+        place = ("tube diameter [m]", "particle diameter [m]", "set velocity [m/s]", "variation")
+        twins.setdefault(tuple(row[name] for name in place), []).append(row)
+    lines = ["| quantity | pairs of seeds | root mean square | beyond 2 | largest |", "|---|---|---|---|---|"]
+    for name in COLUMNS:
+        pairs = np.array([[value(row, name) for row in pair] for pair in twins.values() if len(pair) == 2])
+        apart = np.abs(pairs[:, 0, 0] - pairs[:, 1, 0]) / np.hypot(pairs[:, 0, 1], pairs[:, 1, 1])
+        root = np.sqrt((apart**2).mean())
+        lines.append(f"| {name} | {len(apart)} | {root:.2f} | {(apart > 2.0).mean():.0%} | {apart.max():.1f} |")
+    return lines
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--csv", type=Path, default=ROOT / "docs" / "flow_study.csv", help="the table")
     rows = read_rows(parser.parse_args().csv)
-    print("\n".join([*matrix(rows), "", *variations(rows)]))
+    print("\n".join([*matrix(rows), "", *variations(rows), "", *errors(rows)]))
 
 
 if __name__ == "__main__":

@@ -79,7 +79,11 @@ def test_packings_and_tables_are_written(tmp_path: Path, capsys: pytest.CaptureF
         (row,) = csv.DictReader(stream)
     assert float(row["velocity [m/s]"]) == frames[0].provenance["mean_velocity_m_per_s"]
     with (output.parent / "bed_velocity.csv").open(newline="") as stream:
-        assert len(list(csv.DictReader(stream))) == 5
+        bins = list(csv.DictReader(stream))
+    outer = [float(each["outer radius [m]"]) for each in bins]
+    # from the axis to the wall in steps of half a diameter, one of them about where spheres touch the wall
+    assert outer == pytest.approx([0.15e-3, 0.45e-3, 0.75e-3, 1.05e-3, 1.35e-3, 1.5e-3])
+    assert [bool(each["velocity [m/s]"]) for each in bins[-2:]] == [True, False]
 
 
 @pytest.mark.dem

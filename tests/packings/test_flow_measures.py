@@ -134,9 +134,9 @@ class TestMeasures:
 
 class TestProfile:
     def profile(self, speed: Callable[[FloatArray], FloatArray]) -> VelocityProfile:
-        # a sphere in the middle of every bin
-        out = R - (np.arange(10) + 0.5) * D / 2
-        places = np.stack([out, np.zeros(10), np.full(10, 5e-3)], axis=1)
+        # a sphere in the middle of every bin but the outermost; the first of them touches the wall
+        out = R - (np.arange(9) + 1.0) * D / 2
+        places = np.stack([out, np.zeros(9), np.full(9, 5e-3)], axis=1)
         return velocity_profile([Motion(places, speed(out))] * 3, (0.0, 1e-2), R, D)
 
     def test_a_gaussian_layer_at_the_wall_is_found(self) -> None:
@@ -153,35 +153,63 @@ class TestProfile:
         assert (gaussian.amplitude, gaussian.width, gaussian.offset) == pytest.approx((0.08, 0.6 * R, 0.02), rel=1e-4)
 
     def test_the_shear_layer_ends_where_nine_tenths_are_made_up(self) -> None:
-        # a ramp up to a plug that ends in the middle of a bin; the outermost sphere is a quarter diameter off the wall
-        found = self.profile(lambda r: np.minimum(0.1, 0.04 + 0.06 * (R - r) / (2.25 * D)))
-        wall = 0.04 + 0.06 / 9
+        # a ramp up to a plug that ends in the middle of a bin
+        found = self.profile(lambda r: np.minimum(0.1, 0.04 + 0.06 * (R - r) / (2.5 * D)))
+        wall = 0.04 + 0.06 / 5
         assert found.wall == pytest.approx(wall, rel=1e-12)
         assert found.core == pytest.approx(0.1, rel=1e-12)
         end = 0.1 - 0.1 * (0.1 - wall)
-        assert found.shear_width == pytest.approx((end - 0.04) / 0.06 * 2.25 * D, rel=1e-9)
+        assert found.shear_width == pytest.approx((end - 0.04) / 0.06 * 2.5 * D, rel=1e-9)
+
+    @pytest.mark.parametrize("pressed", [1e-6, 1e-4, 1e-2])
+    def test_the_wall_speed_is_that_of_all_spheres_beside_it_whatever_the_springs(self, pressed: float) -> None:
+        # half of the outermost spheres hang back and are pressed into the wall, half are off it by as much
+        out = R - D / 2 + pressed * D * np.array([1.0, -1.0, 1.0, -1.0])
+        places = np.stack([out, np.zeros(4), np.full(4, 5e-3)], axis=1)
+        speeds = np.array([0.04, 0.08, 0.06, 0.10])
+        found = velocity_profile([Motion(places, speeds)] * 3, (0.0, 1e-2), R, D)
+        assert found.wall == pytest.approx(0.07, rel=1e-12)
+        assert found.speeds[-2] == pytest.approx(0.07, rel=1e-12)
+        assert np.isnan(found.speeds[-1])
+
+    def test_small_spheres_of_a_mixture_are_beside_the_wall_too(self) -> None:
+        places = np.array([[R - D / 2, 0.0, 5e-3], [R - 0.1 * D, 0.0, 5e-3], [R - 1.2 * D, 0.0, 5e-3]])
+        found = velocity_profile([Motion(places, np.array([0.08, 0.05, 0.1]))] * 3, (0.0, 1e-2), R, D)
+        assert found.speeds[-2:] == pytest.approx([0.08, 0.05], rel=1e-12)
+        assert found.wall == pytest.approx(0.065, rel=1e-12)
+
+    @pytest.mark.parametrize("count", [1, 2, 7])
+    def test_a_linear_profile_is_read_at_the_places_of_the_spheres(self, count: int) -> None:
+        # layers of spheres that are not in the middles of the bins: the speed at a place stays that of the line
+        out = R - D * (0.5 + 0.87 * np.arange(5).repeat(count))
+        places = np.stack([out, np.zeros(len(out)), np.full(len(out), 5e-3)], axis=1)
+        speeds = 0.05 + 0.04 * (R - out) / D
+        found = velocity_profile([Motion(places, speeds)] * 3, (0.0, 1e-2), R, D)
+        short = found.core - 0.1 * (found.core - found.wall)
+        assert found.wall == pytest.approx(0.07, rel=1e-12)
+        assert found.shear_width == pytest.approx((short - 0.05) / 0.04 * D, rel=1e-9)
 
     def test_errors_of_the_bins_are_right(self) -> None:
         # independent motions with a known scatter of one sphere a bin; the scatter of many estimates is the error
-        out = R - (np.arange(10) + 0.5) * D / 2
-        places = np.stack([out, np.zeros(10), np.full(10, 5e-3)], axis=1)
+        out = R - (np.arange(9) + 1.0) * D / 2
+        places = np.stack([out, np.zeros(9), np.full(9, 5e-3)], axis=1)
         rng = np.random.default_rng(5)
         stated, means = [], []
         for _ in range(100):
-            motions = [Motion(places, 0.1 + 0.01 * rng.standard_normal(10)) for _ in range(64)]
+            motions = [Motion(places, 0.1 + 0.01 * rng.standard_normal(9)) for _ in range(64)]
             found = velocity_profile(motions, (0.0, 1e-2), R, D)
-            stated.append(found.speeds_error)
-            means.append(found.speeds)
+            stated.append(found.speeds_error[1:-1])
+            means.append(found.speeds[1:-1])
         true = 0.01 / math.sqrt(64)
-        assert np.std(means) == pytest.approx(true, rel=5 / math.sqrt(2 * 1000))
+        assert np.std(means) == pytest.approx(true, rel=5 / math.sqrt(2 * 900))
         # block averages take the larger length now and then, so that single errors scatter; their mean square is right
         assert math.sqrt(np.mean(np.square(stated))) == pytest.approx(true, rel=0.1)
 
     def test_bins_without_spheres_have_no_speed(self) -> None:
-        places = np.array([[R - 0.2 * D, 0.0, 5e-3], [R - 0.3 * D, 0.0, 2e-2]])
+        places = np.array([[R - 0.5 * D, 0.0, 5e-3], [R - 0.6 * D, 0.0, 2e-2]])
         found = velocity_profile([Motion(places, np.array([0.1, 9.0]))] * 2, (0.0, 1e-2), R, D)
-        assert np.isnan(found.speeds[:-1]).all()
-        assert found.speeds[-1] == 0.1
+        assert np.flatnonzero(~np.isnan(found.speeds)).tolist() == [len(found.speeds) - 2]
+        assert found.speeds[-2] == 0.1
         assert math.isnan(found.gaussian.amplitude)
 
 

@@ -28,7 +28,7 @@ FLOW: Mapping[str, Field] = {
     "froude": ("1", "velocity over the root of g d, U*"),
     "velocity_fluctuation": ("m/s", "standard deviation in time of the mean velocity"),
     "core_velocity": ("m/s", "velocity of the plug core"),
-    "wall_velocity": ("m/s", "velocity of the outermost spheres, those pressed on the wall"),
+    "wall_velocity": ("m/s", "velocity of the spheres beside the wall"),
     "shear_width": ("m", "width of the shear layer"),
     "profile_radii": ("m", "distances from the axis that part the bins of the velocity profile"),
     "profile_speeds": ("m/s", "velocity of each bin"),

@@ -18,7 +18,7 @@ __all__ = ["GaussianFit", "VelocityProfile", "velocity_profile"]
 FloatArray = NDArray[np.float64]
 
 BINS_PER_DIAMETER = 2
-"""Bins of the profile, from the wall inwards."""
+"""Bins of the profile, from the wall inwards; one has a sphere of the mean size that touches the wall in its middle."""
 
 CORE_SHARE = 0.5
 """The plug core's speed is the mean within this share of the tube's radius."""
@@ -55,15 +55,17 @@ class VelocityProfile:
     Parameters
     ----------
     radii : (bins + 1,) array
-        Distances from the axis that bound the bins; the outermost bins begin at the wall. [m]
+        Distances from the axis that bound the bins: half a diameter wide, but the outermost. That one ends at the
+        wall, a quarter of a diameter away, and holds only spheres of a mixture that are small, or large ones that
+        are pressed into the wall; the one before has those of the mean size that touch the wall in its middle. [m]
     speeds, speeds_error : (bins,) arrays
         Mean speed of the spheres with their centre in each bin, nan where there were none. [m/s]
     core, wall : float
-        Speed of the plug core, and of the outermost bin that holds spheres: half a diameter wide, it ends where a
-        sphere just touches the wall, and so holds those that are pressed on it, not the whole wall layer. [m/s]
+        Speed of the plug core, and of the spheres whose centres are within 3/4 of a diameter of the wall; nan where
+        there were none. [m/s]
     shear_width : float
-        Distance from the wall at which nine tenths of the difference between the two are made up; nan where the
-        difference is less than its error. [m]
+        Distance from the wall at which nine tenths of the difference between the core and the outermost bin that
+        holds spheres are made up; nan where the difference is less than its error. [m]
     gaussian : GaussianFit
         The Gaussian form.
     """
@@ -91,10 +93,10 @@ def velocity_profile(
     tube_radius, diameter : float
         Radius of the tube and mean diameter of the spheres. [m]
     """
-    width = diameter / BINS_PER_DIAMETER
-    edges = np.flip(np.maximum(tube_radius - width * np.arange(math.ceil(tube_radius / width - 1e-9) + 1), 0.0))
+    edges = _edges(tube_radius, diameter)
     counts = np.empty((len(motions), len(edges) - 1))
     sums = np.empty_like(counts)
+    distances = np.zeros(len(edges) - 1)
     inner_count = inner_sum = 0.0
     for k, motion in enumerate(motions):
         inside = (motion.places[:, 2] >= window[0]) & (motion.places[:, 2] < window[1])
@@ -102,24 +104,34 @@ def velocity_profile(
         speeds = motion.speeds[inside]
         counts[k] = np.histogram(out, edges)[0]
         sums[k] = np.histogram(out, edges, weights=speeds)[0]
+        distances += np.histogram(out, edges, weights=out)[0]
         core = out < CORE_SHARE * tube_radius
         inner_count, inner_sum = inner_count + core.sum(), inner_sum + speeds[core].sum()
     total = counts.sum(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
-        means = sums.sum(axis=0) / total
+        means, radii = sums.sum(axis=0) / total, distances / total
         # what a bin's sum is beyond its mean, linear in both sums, so that an empty bin in one frame does no harm
         deviations = np.where(total > 0, (sums - means * counts) / counts.mean(axis=0), 0.0)
     errors = np.sqrt(block_averaged_variance(deviations)) if len(motions) > 1 else np.full(len(means), math.nan)
     errors[total == 0] = math.nan
     core = float(inner_sum / inner_count) if inner_count else math.nan
-    middles = 0.5 * (edges[:-1] + edges[1:])
     known = np.flatnonzero(total > 0)
-    wall = float(means[known[-1]]) if len(known) else math.nan
+    wall = float(sums[:, -2:].sum() / total[-2:].sum()) if total[-2:].any() else math.nan
     return VelocityProfile(
         edges, means, errors, core, wall,
-        _shear_width(middles[known], means[known], errors[known], core, tube_radius),
-        _gaussian(middles[known], means[known], total[known], tube_radius),
+        # spheres stand in layers near the wall: a bin's speed is that at their mean place, not at its middle
+        _shear_width(radii[known], means[known], errors[known], core, tube_radius),
+        _gaussian(radii[known], means[known], total[known], tube_radius),
     )  # fmt: skip
+
+
+def _edges(tube_radius: float, diameter: float) -> FloatArray:
+    """Bounds of the bins from the axis to the wall, (bins + 1,)."""
+    width = diameter / BINS_PER_DIAMETER
+    # no bound lies where a sphere of the mean size has its centre when it touches the wall
+    outermost = tube_radius - 0.5 * width
+    inwards = outermost - width * np.arange(math.ceil(outermost / width - 1e-9) + 1)
+    return np.array([*np.flip(np.maximum(inwards, 0.0)), tube_radius])
 
 
 def _shear_width(radii: FloatArray, speeds: FloatArray, errors: FloatArray, core: float, tube_radius: float) -> float:
