@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from bedrad.packings.contact import STEPS_PER_CONTACT
-from bedrad.packings.flow_plan import Channel
+from bedrad.packings.flow_plan import FLUSH, START_UP, Channel
 
 __all__ = ["FRAMES", "MATRIX", "POINTS", "REFERENCE", "VARIATIONS", "Point"]
 
@@ -39,9 +39,7 @@ class Point:
     variation : str
         What differs from the matrix; "" for a point of the matrix.
     options : mapping
-        Arguments of `bedrad.flow` that differ.
-    steps_per_contact : int
-        Time steps in a contact, which `bedrad.flow` does not leave to its callers.
+        Arguments of `bedrad.flow` that differ, and `steps_per_contact`, which it does not leave to its callers.
     """
 
     tube: float
@@ -50,7 +48,11 @@ class Point:
     seed: int
     variation: str = ""
     options: dict[str, Any] = field(default_factory=dict)
-    steps_per_contact: int = STEPS_PER_CONTACT
+
+    @property
+    def steps_per_contact(self) -> int:
+        """Time steps in a contact."""
+        return int(self.options.get("steps_per_contact", STEPS_PER_CONTACT))
 
     @property
     def name(self) -> str:
@@ -62,7 +64,7 @@ class Point:
     def arguments(self) -> dict[str, Any]:
         """Arguments of `bedrad.flow` besides the wall."""
         channel = {k: v for k, v in self.options.items() if k in _OF_CHANNEL}
-        others = {k: v for k, v in self.options.items() if k not in _OF_CHANNEL}
+        others = {k: v for k, v in self.options.items() if k not in {*_OF_CHANNEL, "steps_per_contact"}}
         return {
             "diameter": self.diameter, "velocity": self.velocity, "frames": FRAMES, "seed": self.seed,
             "spacing": SPACINGS[self.velocity], "channel": Channel(**channel), **others,
@@ -73,9 +75,15 @@ class Point:
         """Sphere-steps, up to a factor."""
         ratio = self.tube / self.diameter
         d, length = 1e3 * self.diameter, self.options.get("tube_length", 30.0)
-        displacement = 20.0 + 6.0 * self.velocity**2 / (9.81 * self.diameter) + 30.0 * SPACINGS[self.velocity]
+        flush = self.options.get("flush", FLUSH + _start_up(self.velocity, self.diameter))
+        displacement = flush + 30.0 * SPACINGS[self.velocity]
         steps = (10.0 / d**0.5 + displacement / self.velocity / 40.0) * self.steps_per_contact / STEPS_PER_CONTACT
         return ratio**2 * (length + 1.14 * ratio) * steps * (self.options.get("stiffness", 100.0) / 100.0) ** 0.5
+
+
+def _start_up(velocity: float, diameter: float) -> float:
+    """What `bedrad.flow` flushes beyond its 20 diameters, in diameters."""
+    return START_UP * velocity**2 / (9.81 * diameter)
 
 
 _OF_CHANNEL = {"tube_length", "window", "hopper_width", "hopper_angle", "hopper_level"}
@@ -84,7 +92,7 @@ VARIED = (
     ("stiffness x 4", {"stiffness": 400.0}),
     ("stiffness x 16", {"stiffness": 1600.0}),
     ("Hertz contacts, 10 MPa", {"youngs_modulus": 1e7}),
-    ("half the time step", {}),
+    ("half the time step", {"steps_per_contact": 2 * STEPS_PER_CONTACT}),
     ("restitution 0.5", {"restitution": 0.5}),
     ("wall friction 0", {"wall_friction": 0.0}),
     ("wall friction 0.1", {"wall_friction": 0.1}),
@@ -99,11 +107,9 @@ VARIED = (
     ("hopper angle 120", {"hopper_angle": 120.0}),
     ("tube 60 d, near the hopper", {"tube_length": 60.0, "window": (40.0, 52.0)}),
     ("tube 60 d, near the belt", {"tube_length": 60.0}),
-    ("flush 40 d", {"flush": 40.0 + 6.0 * VARIATION_VELOCITY**2 / (9.81 * REFERENCE[1])}),
+    ("flush 40 d", {"flush": 2.0 * FLUSH + _start_up(VARIATION_VELOCITY, REFERENCE[1])}),
 )
 """What is varied around the reference, one thing at a time."""
-
-_FINER = {"half the time step": (2 * STEPS_PER_CONTACT,)}
 
 MATRIX = [
     Point(tube, diameter, velocity, seed)
@@ -114,7 +120,7 @@ MATRIX = [
 
 VARIATIONS = [
     *(
-        Point(*REFERENCE, VARIATION_VELOCITY, seed, variation, options, *_FINER.get(variation, ()))
+        Point(*REFERENCE, VARIATION_VELOCITY, seed, variation, options)
         for variation, options in VARIED
         for seed in SEEDS
     ),

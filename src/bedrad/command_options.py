@@ -1,4 +1,4 @@
-"""What the commands share: options with units, the wall, progress bars, printing."""
+"""What the commands share: options with units, progress bars, printing."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import cyclopts
 from cyclopts import Parameter
@@ -16,9 +16,6 @@ from rich.text import Text
 
 from bedrad.errors import visible
 from bedrad.screen import Screen, visible_lines
-
-if TYPE_CHECKING:
-    pass
 
 OUTPUT, NOTES = Screen(), Screen(stderr=True)
 """Results go to the one, progress, warnings and errors to the other; neither lets a text steer the terminal."""

@@ -178,15 +178,16 @@ class TestProfile:
         assert found.speeds[-2:] == pytest.approx([0.08, 0.05], rel=1e-12)
         assert found.wall == pytest.approx(0.065, rel=1e-12)
 
-    @pytest.mark.parametrize("count", [1, 2, 7])
-    def test_a_linear_profile_is_read_at_the_places_of_the_spheres(self, count: int) -> None:
-        # layers of spheres that are not in the middles of the bins: the speed at a place stays that of the line
-        out = R - D * (0.5 + 0.87 * np.arange(5).repeat(count))
+    @pytest.mark.parametrize("seed", range(3))
+    def test_a_linear_profile_is_read_at_the_places_of_the_spheres(self, seed: int) -> None:
+        # spheres anywhere in the bins, and unevenly: the mean speed at the mean place stays on the line
+        out = R - np.append(0.5 * D, np.random.default_rng(seed).uniform(D, R, 40))
         places = np.stack([out, np.zeros(len(out)), np.full(len(out), 5e-3)], axis=1)
         speeds = 0.05 + 0.04 * (R - out) / D
         found = velocity_profile([Motion(places, speeds)] * 3, (0.0, 1e-2), R, D)
         short = found.core - 0.1 * (found.core - found.wall)
         assert found.wall == pytest.approx(0.07, rel=1e-12)
+        assert 0.5 * D < found.shear_width < R
         assert found.shear_width == pytest.approx((short - 0.05) / 0.04 * D, rel=1e-9)
 
     def test_errors_of_the_bins_are_right(self) -> None:
@@ -202,8 +203,9 @@ class TestProfile:
             means.append(found.speeds[1:-1])
         true = 0.01 / math.sqrt(64)
         assert np.std(means) == pytest.approx(true, rel=5 / math.sqrt(2 * 900))
-        # block averages take the larger length now and then, so that single errors scatter; their mean square is right
-        assert math.sqrt(np.mean(np.square(stated))) == pytest.approx(true, rel=0.1)
+        # single errors scatter, as block averages take the larger length now and then; their mean square is right: over
+        # 40 seeds its root was 1.000 of the truth and scattered by 0.012, so that this is five standard errors
+        assert math.sqrt(np.mean(np.square(stated))) == pytest.approx(true, rel=0.06)
 
     def test_bins_without_spheres_have_no_speed(self) -> None:
         places = np.array([[R - 0.5 * D, 0.0, 5e-3], [R - 0.6 * D, 0.0, 2e-2]])

@@ -8,8 +8,7 @@ from scipy.stats import chi2
 
 import bedrad
 from bedrad.packings.time_averages import errors_of_mean
-from bedrad.raytrace.frames import TrajectoryViewFactors
-from bedrad.raytrace.frames import _seed as frame_seed
+from bedrad.raytrace.frames import TrajectoryViewFactors, frame_seed
 from oracles.beds import axial_chain, random_bed
 
 NEIGHBOUR = 0.07558681842161  # a sphere to a touching equal one

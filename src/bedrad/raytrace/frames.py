@@ -110,7 +110,7 @@ def mean_over_frames(
                 like = packing.wall, 0.5 * packing.mean_diameter
             else:
                 check_frame(packing, like[0], found[0].window, like[1])
-            found.append(trace(packing, found[0] if found else None, one_tolerance, one_rays, _seed(seed, number)))
+            found.append(trace(packing, found[0] if found else None, one_tolerance, one_rays, frame_seed(seed, number)))
         except ValueError as error:
             raise ValueError(f"frame {number}: {error}") from None
         history.append(_step(found[-1], history[-1] if history else None, number, time.perf_counter() - begin))
@@ -121,7 +121,7 @@ def mean_over_frames(
     return _mean(found, tuple(history), seed)
 
 
-def _seed(seed: int, frame: int) -> int:
+def frame_seed(seed: int, frame: int) -> int:
     """Seed of a frame's rays, which shares none with other frames or other seeds."""
     return int.from_bytes(hashlib.sha256(f"bedrad frame {seed} {frame}".encode()).digest()[:8], "big") >> 1
 
