@@ -19,7 +19,7 @@ from bedrad.report import style
 
 PANELS = (
     ("phi_wa", "Solid fraction of the wall layer"),
-    ("n_C/n_C,max at 0.01 r", "Wall contacts over their maximum"),
+    ("n_C/n_C,max at 0.01 r", "Contact ratio, gaps up to 0.01 r"),
     ("a plain", "Mean distance of NC particles [radii]"),
     ("F_w1", "View factor to the wall layer"),
     ("F_w2", "View factor to layer 2"),
